@@ -25,16 +25,26 @@ from app.guard.start_check import check
 from app.guard.token import NONE, Access
 from app.page_template import page
 from app.panel.view_controls import configure_theme
+from app.picture.bounds import extents
 from app.picture.lighting import configure_world
-from app.picture.robot_nodes import extents, meshes
+from app.picture.robot_nodes import meshes
 from app.tab.atlas import Atlases
-from app.tab.initial_plan import InitialPlans, example
 from app.tab.session import Session
+from app.tab.start.initial_plan import InitialPlans, example
 from app.tab.tabs import Tabs
 from app.viser_private import DesignerServer
 from app.workers.opened_file import OpenedFile
 from app.workers.pool import WorkerPool
-from app.workers.protocol import Failed, PlanJump, Planned, Prepare, Prepared, Progress, Report
+from app.workers.protocol import (
+    Failed,
+    PlanJump,
+    Planned,
+    Prepare,
+    Prepared,
+    Progress,
+    Refused,
+    Report,
+)
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
@@ -120,6 +130,8 @@ class Designer:
                     _print(f"  {last} ...")
                 case Failed():
                     _print(f"  {report.message}")
+                case Refused():
+                    _print(f"  {report.reason}")
                 case Prepared():
                     threading.Thread(target=_get_drawn, args=(robot,), daemon=True).start()
                 case Planned() if report.plan.jump == first:

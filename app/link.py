@@ -10,7 +10,7 @@ import json
 import math
 import re
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -19,6 +19,7 @@ import viser
 from app.guard.limits import LONGEST_TEXT
 from app.motion.clip import Clip
 from app.viser_private import run_javascript, uuid_of
+from llsrbm.look.palette import Rgb, css
 from llsrbm.look.timeline import Timeline
 from llsrbm.request.tuning import Tuning
 
@@ -41,6 +42,16 @@ class PageReady:
     # time, playing: s, of the motion of a page that has lost its server and comes to another one
     time: float = 0.0
     playing: bool = False
+    preferences: str | None = None  # that the browser kept, as text
+    dark: bool = False  # the system is
+    height: float | None = None  # of the window, pixels; None: not known
+
+
+@dataclass(frozen=True)
+class SchemeChanged:
+    """The system has turned dark, or light."""
+
+    dark: bool
 
 
 @dataclass(frozen=True)
@@ -88,8 +99,75 @@ class AtlasClicked:
     number: int
 
 
+@dataclass(frozen=True)
+class PinPressed:
+    """A pin's chip was pressed, by its number; there may be no such pin."""
+
+    act: Literal["use", "unpin"]
+    index: int
+
+
+@dataclass(frozen=True)
+class CertificateAsked:
+    """The verdict was pressed."""
+
+
+@dataclass(frozen=True)
+class BesideChosen:
+    """Whether pinned robots stand beside the one that is shown."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class ChartDropped:
+    """A chart was dropped onto another one, by their titles; None: the one that is on offer."""
+
+    chart: str | None
+    onto: str
+
+
+@dataclass(frozen=True)
+class PartAsked:
+    """A part of the robot is pointed at, if there is one of that name."""
+
+    part: str
+
+
+@dataclass(frozen=True)
+class PartPlotted:
+    """A row of a part's figures was chosen for the plots; there may be no such row."""
+
+    part: str
+    row: int
+
+
+@dataclass(frozen=True)
+class PushDragged:
+    """A push was drawn in the picture, from the trunk to a hand."""
+
+    time: float  # s, the instant that was shown
+    x: float  # x, y: m from the trunk's CoM to the hand, world frame
+    y: float
+    ended: bool  # whether it was let go of
+
+
 PageEvent = (
-    PageReady | PlayerMoved | PlaybackChosen | ClipTaken | TuningChosen | AtlasSeen | AtlasClicked
+    PageReady
+    | SchemeChanged
+    | PlayerMoved
+    | PlaybackChosen
+    | ClipTaken
+    | TuningChosen
+    | AtlasSeen
+    | AtlasClicked
+    | PinPressed
+    | CertificateAsked
+    | BesideChosen
+    | ChartDropped
+    | PartAsked
+    | PartPlotted
+    | PushDragged
 )
 
 
@@ -160,10 +238,19 @@ class PageLink:
         """Store a design, as text, in the browser."""
         self._call("page.keep", json.dumps(design))
 
+    def prefer(self, preferences: str) -> None:
+        """Store preferences, as text, in the browser."""
+        self._call("page.prefer", json.dumps(preferences))
+
     def show_tuning(self, tuning: Tuning) -> None:
         """Show a design's numbers in the table of weights and limits."""
         changed = {"weights": dict(tuning.weights), "limits": dict(tuning.limits)}
         self._call("tuning.show", json.dumps(changed))
+
+    def show_pins(self, chips: Sequence[tuple[str, Rgb]], beside: bool) -> None:
+        """Show names and colours of what is compared; the first is the design that is shown."""
+        named = [{"title": title, "colour": css(colour)} for title, colour in chips]
+        self._call("pins.show", json.dumps(named), json.dumps(beside))
 
     def show_atlas(self, sent: Mapping[str, Any] | None) -> None:
         """Draw a map of the atlas made by `app.panel.atlas_controls`; None: remove it."""
@@ -173,9 +260,33 @@ class PageLink:
         """Mark the present design in the map, in the units of its axes."""
         self._call("atlas.mark", repr(float(x)), repr(float(y)))
 
+    def tint(self, tracks: Mapping[str, Any]) -> None:
+        """Tint the tracks of sliders, by their uuids, as `app.tab.feasible` says."""
+        self._call("tint.show", json.dumps(tracks))
+
+    def show_part(self, reading: Mapping[str, Any]) -> None:
+        """Show what a part of the robot does beside it."""
+        self._call("parts.show", json.dumps(reading))
+
+    def paint_handle(self, node: str, colour: Rgb) -> None:
+        """Give a handle of viser's, by its node, a colour."""
+        self._call("handles.paint", json.dumps(node), json.dumps(colour))
+
     def arrange(self, controls: dict[str, str | list[str]]) -> None:
         """Arrange controls, by their uuids, as the panel's rows of buttons (static/panel.js)."""
         self._call("panel.arrange", json.dumps(controls))
+
+    def show_swatches(self, colours: dict[str, list[str]]) -> None:
+        """Show colours (CSS) beside boxes, by their uuids; a box without one is grey."""
+        self._call("panel.swatches", json.dumps(colours))
+
+    def set_shortcuts(self, on: bool) -> None:
+        """Take the page's keys, beside those of its controls, or leave them alone."""
+        self._call("panel.setShortcuts", json.dumps(on))
+
+    def remark(self, text: str) -> None:
+        """Say something about the motion that is shown, over the picture; "": nothing."""
+        self._call("remark.show", json.dumps(text))
 
     def share(self, design: str) -> None:
         """Show a link that opens a design, given as text; it is made in the page."""
@@ -216,6 +327,8 @@ def read_event(message: object) -> PageEvent | None:
     match found:
         case {"kind": "ready", "software": bool(software)}:
             return _ready(software, found)
+        case {"kind": "scheme", "dark": bool(dark)}:
+            return SchemeChanged(dark)
         case {"kind": "state", "time": float(time), "playing": bool(playing)}:
             return PlayerMoved(time, playing) if _is_time(time) else None
         case {"kind": "playback", "speed": float(speed), "loop": bool(loop)}:
@@ -230,18 +343,41 @@ def read_event(message: object) -> PageEvent | None:
         }:
             usable = len(name) <= _LONGEST_NAME and (value is None or math.isfinite(value))
             return TuningChosen(group, name, value) if usable else None
+        case {"kind": "pin", "act": "use" | "unpin" as act, "index": float(index)}:
+            return PinPressed(act, int(index)) if 0 <= index < 2**53 else None
+        case {"kind": "certificate"}:
+            return CertificateAsked()
+        case {"kind": "beside", "on": bool(on)}:
+            return BesideChosen(on)
+        case {"kind": "chart", "chart": str() | None as chart, "onto": str(onto)}:
+            usable = max(len(chart or ""), len(onto)) <= _LONGEST_TITLE
+            return ChartDropped(chart, onto) if usable else None
         case {"kind": "atlas-seen"}:
             return AtlasSeen()
         case {"kind": "atlas", "sweep": str(name), "jump": float(number)}:
             usable = len(name) <= _LONGEST_TITLE and 0 <= number < 2**53
             return AtlasClicked(name, int(number)) if usable else None
+        case {"kind": "part", "part": str(name)} if len(name) <= _LONGEST_NAME:
+            return PartAsked(name)
+        case {"kind": "plot", "part": str(name), "row": float(row)}:
+            usable = len(name) <= _LONGEST_NAME and 0 <= row < 2**53
+            return PartPlotted(name, int(row)) if usable else None
+        case {
+            "kind": "push",
+            "time": float(time),
+            "x": float(x),
+            "y": float(y),
+            "ended": bool(ended),
+        }:
+            usable = _is_time(time) and math.isfinite(x) and math.isfinite(y)
+            return PushDragged(time, x, y, ended) if usable else None
     return None
 
 
 def _ready(software: bool, found: dict[str, Any]) -> PageReady:
     missing = found.get("missing")
     names = missing if isinstance(missing, list) else []
-    tab, time = found.get("tab"), found.get("time")
+    tab, time, height = found.get("tab"), found.get("time"), found.get("height")
     return PageReady(
         software,
         tuple(str(name)[:_LONGEST_NAME] for name in names[:_MOST_MISSING]),
@@ -250,6 +386,9 @@ def _ready(software: bool, found: dict[str, Any]) -> PageReady:
         _text(found.get("kept")),
         time if isinstance(time, float) and _is_time(time) else 0.0,
         found.get("playing") is True,
+        _text(found.get("preferences")),
+        found.get("dark") is True,
+        height if isinstance(height, float) and math.isfinite(height) else None,
     )
 
 

@@ -77,7 +77,7 @@ def main():
     logging.getLogger("websockets").setLevel(logging.CRITICAL)
     designer = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), limits=UNLIMITED)
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
     loops(designer, FIRST)
     quiet = ended(designer)
     held(designer, f"after {FIRST} loops")
@@ -88,7 +88,7 @@ def main():
     quiet = ended(designer) and quiet
     held(designer, f"{time.monotonic() - began - took:.1f} s later")
     with RawTab(designer.port) as tab:
-        print(f"the next tab: {tab.wait_for_status('Planned')}")
+        print(f"the next tab: {tab.wait_for_status('Feasible')}")
     assert designer.tabs.kept <= Limits.tabs
     designer.close()
     return 0 if quiet else 1

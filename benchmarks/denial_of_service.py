@@ -38,7 +38,7 @@ ANSWER = 1.0  # s
 ENTER, PLAN = 10.0, 30.0  # s for a new visitor on a busy machine; the planning itself is slowed
 MEMORY = 100.0  # MB
 NAMES, SILENT, GUESSES, MESSAGES = 300_000, 50, 1000, 30
-HEARD = ("Planned", "Feasible")
+HEARD = "Feasible"
 
 
 class Page:

@@ -179,7 +179,7 @@ def visits(designer, count):
     with contextlib.ExitStack() as stack:
         tabs = [stack.enter_context(RawTab(designer.port)) for _ in range(count)]
         for tab in tabs:
-            tab.wait_for_status("Planned", timeout=120)
+            tab.wait_for_status("Feasible", timeout=120)
             tab.set("Twist [deg]", 10)
 
 
@@ -191,7 +191,7 @@ class Witness:
 
     def __init__(self, tab, number, designer):
         self.tab, self.number, self.step = tab, number, 0
-        tab.wait_for_status("Planned", timeout=60)
+        tab.wait_for_status("Feasible", timeout=60)
         self.session = designer.sessions[-1]
 
     def check(self):
@@ -244,7 +244,7 @@ def record(designer):
     """Messages of a tab whose every control is moved, and more that a page can send."""
     recorded = [CAMERA]
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned", timeout=60)
+        tab.wait_for_status("Feasible", timeout=60)
         for uuid, message in list(tab.controls.items()):
             value = message.get("value", True)
             recorded.append({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})

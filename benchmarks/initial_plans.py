@@ -9,7 +9,7 @@ from __future__ import annotations
 import typer
 
 import llsrbm
-from app.tab.initial_plan import example, shipped_file
+from app.tab.start.initial_plan import example, shipped_file
 from llsrbm.robots import names
 
 

@@ -2,7 +2,9 @@
 
 Times are taken inside the page. Chromium draws in software here, on the processor that also plans,
 so nothing else should run beside it. `--drag` and `--play` say for how long, s; `--reach` how far:
-with 12 pixels the twist stays where every jump can be planned, with 30 it goes beyond.
+with 12 pixels the twist stays where every jump can be planned, with 30 it goes beyond. `--others`
+drags the other sliders too, each to and fro between places at random. Last, a twist is typed that
+cannot be planned with drives that may give less: the time to the verdict.
 """
 
 from __future__ import annotations
@@ -18,18 +20,42 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.app.chromium import PACE, VIEW, chromium, status
+from tests.app.chromium import PACE, VIEW, chromium, number, status
 
 PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
 STEP = 0.1  # s between steps of the dragged slider
 REACH = 30  # pixels that the hand goes to either side
 PERIOD = 10.0  # s, there and back
 TAKE_UP = 8_000  # ms for the last plan to settle
+OTHERS = {"forward": "Forward [m]", "lateral": "Lateral [m]", "height": "Landing height [m]"}
+FASTEST = 6  # pixels a step, at random
+SEED = 7
+TYPED = [  # twist in degrees, share of the drives' torque: none can be planned
+    (170, 0.45),
+    (140, 0.4),
+    (-160, 0.5),
+]
 
-# Notes every step of the twist's slider, and every motion when its first picture has been drawn,
-# with the page's clock.
-RECORD = """() => {
-  const thumb = document.querySelector('[role=slider]');
+# Types a number into a field, and notes how long it takes to a verdict that is no plan of it.
+VERDICT = """([field, value]) => new Promise(resolve => {
+  const status = document.querySelector('[role=status]');
+  const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+  const began = performance.now();
+  field.focus();
+  set.call(field, value);
+  field.dispatchEvent(new Event("input", { bubbles: true }));
+  field.blur();
+  const look = () => {
+    const line = document.querySelector('[role=status]').innerText;
+    if (/^\\s*(Nearest|Infeasible)/.test(line)) resolve([performance.now() - began, line]);
+    else setTimeout(look, 5);
+  };
+  look();
+})"""
+
+# Notes every step of a slider, and every motion when its first picture has been drawn, with the
+# page's clock; values in the slider's units.
+RECORD = """([thumb, name, unit]) => {
   const record = window.record = {steps: [], drawn: []};
   new MutationObserver(() => {
     const value = Number(thumb.getAttribute('aria-valuenow')), last = record.steps.at(-1);
@@ -39,7 +65,7 @@ RECORD = """() => {
   const loop = () => {
     if (window.llsrbm.player.seen !== seen) {
       seen = window.llsrbm.player.seen;
-      record.drawn.push([seen.at, Math.round(seen.request.twist * 180 / Math.PI)]);
+      record.drawn.push([seen.at, Math.round(100 * seen.request[name] * unit) / 100]);
     }
     requestAnimationFrame(loop);
   };
@@ -73,11 +99,28 @@ def resident(pid):
     return sum(int(line) for line in listed.stdout.split()) / 1024
 
 
-def drag(page, seconds, reach=REACH):
-    """Draw the twist's slider to and fro; (latencies ms, steps, drawn values, settled)."""
-    status(page, "Planned")
-    page.evaluate(RECORD)
-    thumb = page.get_by_role("slider").first
+def to_and_fro(reach):
+    """Pixels from the middle at each step, evenly."""
+    return (reach * np.sin(2 * np.pi * step * STEP / PERIOD) for step in itertools.count(1))
+
+
+def at_random(reach):
+    """Pixels from the middle at each step, from one place to the next."""
+    rng, at = np.random.default_rng(SEED), 0.0
+    while True:
+        goal = rng.uniform(-reach, reach)
+        while at != goal:
+            at += float(np.clip(goal - at, -FASTEST, FASTEST))
+            yield at
+
+
+def drag(page, seconds, places, name="twist", label="Twist [deg]"):
+    """Draw a slider along places; its steps and the motions drawn, each as (ms, value)."""
+    answered(page)
+    row = page.get_by_text(label, exact=True).locator("xpath=ancestor::div[.//input][1]")
+    thumb = row.get_by_role("slider")
+    unit = 180 / np.pi if name == "twist" else 1.0
+    page.evaluate(RECORD, [thumb.element_handle(), name, unit])
     box = thumb.bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -85,17 +128,22 @@ def drag(page, seconds, reach=REACH):
     began, step = time.monotonic(), 0
     while time.monotonic() - began < seconds:
         step += 1
-        page.mouse.move(x + reach * np.sin(2 * np.pi * step * STEP / PERIOD), y)
+        page.mouse.move(x + next(places), y)
         left = began + step * STEP - time.monotonic()
         if left > 0:
             page.wait_for_timeout(1000 * left)
     page.mouse.up()
-    status(page, "Planned")
+    answered(page)
     page.wait_for_timeout(TAKE_UP / 4)
     record = page.evaluate("() => ({steps: window.record.steps, drawn: window.record.drawn})")
     steps = record["steps"]
     drawn = [entry for entry in record["drawn"] if entry[0] > steps[0][0]]
     return steps, drawn
+
+
+def answered(page):
+    """Wait until the request has its last answer, whatever it is."""
+    page.locator('[role="status"][aria-busy="false"]').wait_for(timeout=20_000)
 
 
 def latencies(steps, drawn):
@@ -118,11 +166,59 @@ def latencies(steps, drawn):
     return np.array(found), order
 
 
+def report(title, steps, drawn):
+    """Print how late and in which order the motions of a drag were drawn."""
+    found, order = latencies(steps, drawn)
+    stale = sum(b < a for a, b in itertools.pairwise(order))
+    late = np.percentile(found, 95)
+    print(
+        f"{title:31}{np.median(found):6.0f} ms median, {late:.0f} ms p95, "
+        f"{found.max():.0f} ms worst of {len(found)}"
+    )
+    last = drawn[-1][1] == steps[-1][1]
+    print(
+        f"  motions drawn {len(drawn)}, older after newer {stale}, last is the last value: {last}"
+    )
+
+
+def type_into(page, label, value):
+    """Type a number, and wait for its answer."""
+    number(page, label).fill(str(value))
+    page.wait_for_timeout(PACE)
+    answered(page)
+    page.wait_for_timeout(TAKE_UP / 4)
+
+
+def limit_torque(page, share):
+    """Have the drives give that share of their torque; None: the robot's own."""
+    event = {"kind": "tuning", "group": "limits", "name": "torque_share", "value": share}
+    page.evaluate("event => llsrbm.page.send(event)", event)
+    page.wait_for_timeout(TAKE_UP / 4)
+    answered(page)
+
+
+def verdicts(page):
+    """Print how long typed twists that cannot be planned take to their verdicts."""
+    taken = []
+    for twist, share in TYPED:
+        type_into(page, "Twist [deg]", 0)
+        limit_torque(page, share)
+        field = number(page, "Twist [deg]").element_handle()
+        took, line = page.evaluate(VERDICT, [field, str(twist)])
+        taken.append(took)
+        print(
+            f"  {twist}° with {share:.0%} of the torque   {took:6.0f} ms: {line.split(chr(10))[0]}"
+        )
+        limit_torque(page, None)
+    print(f"typed to a verdict               {max(taken):6.0f} ms at worst of {len(taken)}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drag", type=float, default=10.0)
     parser.add_argument("--play", type=float, default=60.0)
     parser.add_argument("--reach", type=float, default=REACH, help="pixels, to either side")
+    parser.add_argument("--others", action="store_true", help="drag the other sliders, too")
     options = parser.parse_args()
     began = time.monotonic()
     server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -165,19 +261,13 @@ def main():
                 if mode == "paused":
                     page.get_by_role("button", name="Pause").click()
                     page.wait_for_timeout(PACE)
-                steps, drawn = drag(page, options.drag, options.reach)
-                found, order = latencies(steps, drawn)
-                stale = sum(b < a for a, b in itertools.pairwise(order))
-                last = drawn[-1][1] == steps[-1][1]
-                late = np.percentile(found, 95)
-                print(
-                    f"dragging while {mode:7s}           {np.median(found):6.0f} ms median, "
-                    f"{late:.0f} ms p95, {found.max():.0f} ms worst of {len(found)}"
-                )
-                print(
-                    f"  motions drawn {len(drawn)}, older after newer {stale}, "
-                    f"last is the last value: {last}"
-                )
+                moved = drag(page, options.drag, to_and_fro(options.reach))
+                report(f"dragging while {mode}", *moved)
+            for name, label in OTHERS.items() if options.others else ():
+                moved = drag(page, options.drag, at_random(options.reach), name, label)
+                report(f"dragging {label}", *moved)
+                type_into(page, label, 0)
+            type_into(page, "Twist [deg]", 90)
             page.get_by_role("button", name="Simulate").click()
             status(page, "Landed", timeout=60_000)
             page.get_by_role("button", name="Play").click()
@@ -187,6 +277,7 @@ def main():
             end = page.evaluate(RENDERED)
             rate = 1000 * (end[1] - start[1]) / (end[0] - start[0])
             print(f"playing with a simulation        {rate:6.1f} frames/s")
+            verdicts(page)
         print(f"memory, server and processes     {resident(server.pid):6.0f} MB")
     finally:
         server.terminate()

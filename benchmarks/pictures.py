@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from benchmarks.page import PROGRAM
-from tests.app.chromium import PACE, VIEW, chromium, fill, status
+from tests.app.chromium import PACE, VIEW, chromium, fill, status, unfold
 from tests.app.labels import labels
 
 FOLDER = Path(__file__).parents[1] / "docs"
@@ -61,7 +61,7 @@ def take(browser: Browser, address: str, name: str) -> None:
     context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
     page = context.new_page()
     page.goto(address)
-    status(page, "Planned", timeout=PATIENCE)
+    status(page, "Feasible", timeout=PATIENCE)
     close_note(page)
     reach(page)
     page.mouse.move(300, 300)
@@ -78,7 +78,7 @@ def record(browser: Browser, address: str) -> None:
     context.add_init_script("localStorage.setItem('llsrbm.tour', 'seen')")
     page = context.new_page()
     page.goto(address)
-    status(page, "Planned", timeout=PATIENCE)
+    status(page, "Feasible", timeout=PATIENCE)
     close_note(page)
     facts = {"labels": labels(page), "pictures": sorted(STATES)}
     RECORD.write_text(json.dumps(facts, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
@@ -119,7 +119,7 @@ def plan(page: Page, **values: float) -> None:
     for name, value in values.items():
         fill(page, labels[name], value)
     page.wait_for_timeout(300)
-    status(page, "Planned", timeout=PATIENCE)
+    status(page, "Feasible", timeout=PATIENCE)
 
 
 def simulate(page: Page, outcome: str = "Landed") -> None:
@@ -164,26 +164,26 @@ def _designer(page: Page) -> None:
 
 def _large(page: Page) -> None:
     simulate(page)
-    tab(page, "Figures")
+    tab(page, "Results")
     hold(page, 0.62)
 
 
 def _compare(page: Page) -> None:
     choose(page, "Model", "SRBM")
     page.wait_for_timeout(300)
-    status(page, "Planned", timeout=PATIENCE)
-    tab(page, "Figures")
+    status(page, "Feasible", timeout=PATIENCE)
+    tab(page, "Results")
     press(page, "Pin")
     choose(page, "Model", "LL-SRBM+")
     page.wait_for_timeout(300)
-    status(page, "Planned", timeout=PATIENCE)
+    status(page, "Feasible", timeout=PATIENCE)
     hold(page, 0.62)
 
 
 def _night(page: Page) -> None:
     without_plots(page)
     simulate(page)
-    tick(page, "Night")
+    tick(page, "Dark mode")
     hold(page, 0.62)
 
 
@@ -202,14 +202,14 @@ def _tablet(page: Page) -> None:
 def _failed(page: Page) -> None:
     for label, value in (("Twist [deg]", 180), ("Forward [m]", 0.6), ("Landing height [m]", 0.3)):
         fill(page, label, value)
-    page.get_by_role("button", name="Use nearest feasible").first.wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Use nearest").wait_for(timeout=PATIENCE)
     hold(page, 0.55)
 
 
 def _push(page: Page) -> None:
     without_plots(page)
     plan(page, twist=60)
-    tab(page, "Scenario")
+    unfold(page, "Scenario")
     hold(page, 0.5)
     tick(page, "Replan", "Push")
     fill(page, "Push y [N s]", 14)
@@ -219,14 +219,14 @@ def _push(page: Page) -> None:
 
 
 def _seeds(page: Page) -> None:
-    tab(page, "Scenario")
+    unfold(page, "Scenario")
     press(page, "Simulate 20 seeds")
     page.get_by_role("status").filter(has_text=" seeds.").wait_for(timeout=PATIENCE)
 
 
 def _atlas(page: Page) -> None:
     plan(page, twist=120, forward=0.3)
-    tab(page, "Atlas")
+    unfold(page, "Atlas")
     choose(page, "Colour", "Limiting constraint")
     page.locator(".llsrbm-atlas .legend").wait_for(timeout=PATIENCE)
     hold(page, 0.55)

@@ -17,14 +17,13 @@ import time
 import numpy as np
 
 from benchmarks.page import FIRST_PICTURE, PROGRAM, resident
-from tests.app.chromium import PACE, PIXELS, VIEW, choose, chromium, status, tab
+from tests.app.chromium import PACE, PIXELS, VIEW, choose, chromium, status, unfold
 from tests.app.waits import wait_until
 
 WARM_UP = 3  # pushes that count for nothing: the first one loads solvers
 EARLIEST = 0.04  # s after a push: it is measured, and the answer is followed 20 ms later
 SHARE = (0.1, 0.5)  # of the flight, in which pushes begin
 LENGTH = (0.15, 0.45)  # m that the tip is dragged
-GRAB = 0.15  # m from the tip, where an arrow of the grip is taken hold of
 STEPS = 6  # of a hand
 
 # The next time that the hand lets go: ms from then until a robot is drawn that follows a new plan.
@@ -82,9 +81,9 @@ def drag(page, instant, axis, way):
         "window.__viserMutable.nodePoseData['/push/tip'] !== undefined"
         " && window.__viserMutable.nodeRefFromName['/push/tip'] !== undefined"
     )
-    page.wait_for_timeout(500)  # the grip has come to where the robot is
+    page.wait_for_timeout(500)  # the tip has come to where the robot is
     points = np.zeros((2, 3))
-    points[:, axis] = GRAB, GRAB + way
+    points[1, axis] = way
     grab, there = np.array(page.evaluate(PIXELS, ["/push/tip", *points.tolist()]))
     page.mouse.move(*grab)
     page.wait_for_timeout(PACE)
@@ -112,8 +111,8 @@ def main():
             page.goto(url)
             page.evaluate(FIRST_PICTURE)
             choose(page, "Robot", options.robot)
-            status(page, "Planned", timeout=120_000)
-            tab(page, "Scenario")
+            status(page, "Feasible", timeout=120_000)
+            unfold(page, "Scenario")
             for label in ("Replan", "Push"):
                 page.get_by_label(label, exact=True).check()
                 page.wait_for_timeout(PACE)

@@ -98,7 +98,7 @@ def realise(knots: Knots) -> Realised:
     """Postures and velocities in the middles of the intervals, and the model's numbers there."""
     loads = knots.loads
     middle = rotation_matrices(slerp(knots.quat[:-1], knots.quat[1:], np.array(0.5)))
-    momenta, inertias = map(np.array, zip(*(whole_body(knots, k) for k in range(len(knots.dt)))))
+    momenta, inertias = whole_body(knots)
     rate_error = np.linalg.solve(inertias, (knots.momentum_mean - momenta)[..., None])[..., 0]
     model = (knots.inertia[:-1] + knots.inertia[1:]) / 2
     return Realised(

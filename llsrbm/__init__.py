@@ -27,23 +27,23 @@ from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
-    from llsrbm.api import nearest, plan, simulate
+    from llsrbm.api import plan, simulate
+    from llsrbm.certificate import certified, certify
     from llsrbm.formats import export, load_motion
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
-    from llsrbm.planning.solve.nearest import Nearest
     from llsrbm.request.design import Design, dump_design, load_design
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
 _LATER = {
     name: module
     for module, names in {
-        "llsrbm.api": ("plan", "nearest", "simulate"),
+        "llsrbm.api": ("plan", "simulate"),
+        "llsrbm.certificate": ("certified", "certify"),
         "llsrbm.request.design": ("Design", "dump_design", "load_design"),
         "llsrbm.formats": ("export", "load_motion"),
         "llsrbm.motion.trajectory": ("load",),
-        "llsrbm.planning.solve.nearest": ("Nearest",),
         "llsrbm.motion.plan": ("Plan",),
         "llsrbm.motion.rollout": ("Rollout",),
     }.items()
@@ -57,7 +57,6 @@ __all__ = [
     "FileFormatError",
     "InputError",
     "Jump",
-    "Nearest",
     "NotConverged",
     "Plan",
     "Push",
@@ -66,12 +65,13 @@ __all__ = [
     "Scenario",
     "Stop",
     "Tuning",
+    "certified",
+    "certify",
     "dump_design",
     "export",
     "load",
     "load_design",
     "load_motion",
-    "nearest",
     "plan",
     "simulate",
 ]

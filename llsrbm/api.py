@@ -15,9 +15,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.nearest import Nearest, find_nearest
 from llsrbm.planning.solve.planner import INTERVALS, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
@@ -33,6 +33,8 @@ def plan(
     near: Plan | None = None,
     guesses: bool = True,
     patient: bool = True,
+    explains: bool = True,
+    refine: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[PlanningProgress], None] | None = None,
 ) -> Plan:
@@ -47,7 +49,12 @@ def plan(
         near: a plan of another request to the same robot and model to start from, which is faster
             a few degrees or centimetres away.
         guesses: begin from solutions nearby that come with the project, where there are some.
-        patient: try all there is; otherwise only `near`, solutions nearby and the analytic guess.
+        patient: look for the nearest jump that can be planned where the request cannot at once; now
+            and then that is the request itself. Otherwise the first attempts are all.
+        explains: whether what the request would need is found out, by further solves.
+        refine: a second stage on the whole body's equations of motion, with every joint's stops,
+            drives and friction, near the plan of the first. Where it does not converge the first
+            one's plan is returned: `Plan.refined` says which.
         cancelled: asked before and during every attempt; True ends with `Cancelled` within 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
@@ -55,9 +62,8 @@ def plan(
         InputError: an unknown name, a request or a limit out of the robot's range, or a plan to
             start from that is of another robot, model or version of the planner, or that failed.
         RobotFileError: the robot file is wrong.
-        NotConverged: no attempt satisfied every constraint; its `plan` is the last iterate. With
-            patience and the default solver it names the limits that stop the jump, after some more
-            seconds; else what the last iterate violates.
+        NotConverged: no attempt satisfied every constraint. With patience and the default solver
+            its `nearest` is the plan of the nearest jump, and its `reason` what stops the rest.
     """
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
@@ -71,43 +77,12 @@ def plan(
         near=near,
         guesses=guesses,
         patient=patient,
+        explains=explains,
         cancelled=cancelled,
         progress=progress,
     )
-    return replace(result, report=replace(result.report, build_time_s=build_time))
-
-
-def nearest(
-    jump: Jump,
-    *,
-    weights: Mapping[str, float] | None = None,
-    limits: Mapping[str, float] | None = None,
-    cancelled: Callable[[], bool] | None = None,
-    progress: Callable[[str], None] | None = None,
-) -> Nearest:
-    """Find the nearest jump that can be planned: less of one component, or of all alike.
-
-    Takes some seconds. What is reduced comes in whole degrees and centimetres. A component out of
-    the robot's range is taken back to it first.
-
-    Args:
-        jump: a request that cannot be planned; weights, limits, cancelled: as for `plan`.
-        progress: called with what is tried, in words.
-
-    Raises:
-        InputError: an unknown name, or a limit out of range.
-        Error: not even a jump on the spot can be planned; says which limit would have to change.
-    """
-    on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
-    make_task(on_the_spot, load_robot(jump.robot), weights, limits)  # wrong names build no solver
-    return find_nearest(
-        planner_of(jump),
-        jump,
-        weights=weights,
-        limits=limits,
-        cancelled=cancelled,
-        progress=progress,
-    )
+    result = replace(result, report=replace(result.report, build_time_s=build_time))
+    return refined(result, cancelled=cancelled, progress=progress) if refine else result
 
 
 def simulate(

@@ -15,6 +15,7 @@ import typer
 from typer.core import TyperGroup
 
 from llsrbm.commands.atlas import atlas_command
+from llsrbm.commands.check import check_command
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_error
 from llsrbm.commands.export import export_command, formats_command, replay_command
@@ -87,6 +88,7 @@ app.command("types")(types_command)
 app.command("tuning")(tuning_command)
 app.command("formats")(formats_command)
 app.command("designs")(designs_command)
+app.command("check")(check_command)
 app.command("compare")(compare_command)
 app.command("sweep")(sweep_command)
 app.command("atlas")(atlas_command)

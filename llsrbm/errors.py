@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
+from llsrbm.request.numbers import short
+
 
 class Error(Exception):
     """Base of every error a user can cause.
@@ -35,6 +37,21 @@ class FileFormatError(InputError):
 
 
 @dataclass(frozen=True)
+class JointNeed:
+    """Load or angle of a joint that a jump needs, and the one that a plan may use there."""
+
+    joint: str
+    needed: float  # in `unit`
+    has: float  # likewise
+    unit: str  # Nm, rad/s or rad; of joints that slide N, m/s or m
+    when: str  # in words
+
+    def __str__(self) -> str:
+        needed, has = number_pair(self.needed, self.has)
+        return f"{self.joint} needs {needed} {self.unit} {self.when}, it has {has}"
+
+
+@dataclass(frozen=True)
 class Stop:
     """A limiting constraint of a plan, and the limit in it that would have to change."""
 
@@ -42,7 +59,7 @@ class Stop:
     phase: str  # name of the schedule's phase
     time: float  # s; where it is worst
     # By how much, in `unit`: the limit would have to change, or, where there is no limit, the
-    # constraint is violated.
+    # constraint is violated; 0 where that is not known.
     amount: float
     unit: str
     limit: str | None = None  # name (`llsrbm.planning.problem.limits`); None: none alone would help
@@ -50,19 +67,31 @@ class Stop:
     value: float = 0.0  # of the limit, in `unit`
     needed: float = 0.0  # the value it would have to have
     together: bool = False  # whether the other stops have to be removed as well; else any one does
-    detail: str = ""  # the joint, where, and how much, of a limit of the drives; "" of all others
+    demand: JointNeed | None = None  # on a joint, of a limit of drives or stops; None of all others
 
     def __str__(self) -> str:
-        if self.detail:
-            return self.detail
+        unit = "" if self.unit == "1" else f" {self.unit}"
+        if self.demand is not None:
+            if self.amount == 0:
+                of = self.demand
+                return f"{of.joint} is at its {of.has:.3g} {of.unit} {of.when}"
+            return str(self.demand)
         where = f"in {self.phase} at {self.time:.2f} s"
         if self.limit is None:
             return f"{self.constraint} is violated by {self.amount:.3g} {self.unit} {where}"
-        unit = "" if self.unit == "1" else f" {self.unit}"
-        return (
-            f"{self.title} ({self.limit}) would have to be {self.needed:.3g}{unit} {where}; "
-            f"the limit is {self.value:.3g}{unit}"
-        )
+        if self.amount == 0:
+            return f"the {self.title} is at its limit of {self.value:.3g}{unit}"
+        needed, value = number_pair(self.needed, self.value)
+        return f"the {self.title} would have to be {needed}{unit} {where}, it is {value}"
+
+
+def number_pair(one: float, other: float) -> tuple[str, str]:
+    """Two numbers in as few digits, from two on, as tell them apart."""
+    for digits in range(2, 7):
+        pair = f"{one:.{digits}g}", f"{other:.{digits}g}"
+        if pair[0] != pair[1]:
+            break
+    return short(float(pair[0])), short(float(pair[1]))
 
 
 def printable(text: str, longest: int = 60) -> str:
@@ -81,11 +110,25 @@ def require(purpose: str, extra: str, *modules: str) -> None:
 
 
 class NotConverged(Error):
-    """No plan satisfies every constraint: the last iterate, `plan`; `stops`, the worst first."""
+    """No plan satisfies every constraint.
 
-    def __init__(self, message: str, plan: Any, stops: tuple[Stop, ...] = ()) -> None:
-        super().__init__(message, plan, stops)  # all of them, for pickle
-        self.plan, self.stops = plan, stops
+    Attributes:
+        plan: the last iterate.
+        stops: the limits that stop the jump, the most important first.
+        nearest: the plan of the nearest jump that can be done; None if there is none.
+        reason: one sentence, of at most two limits; "" if none is known.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        plan: Any,
+        stops: tuple[Stop, ...] = (),
+        nearest: Any = None,
+        reason: str = "",
+    ) -> None:
+        super().__init__(message, plan, stops, nearest, reason)  # all of them, for pickle
+        self.plan, self.stops, self.nearest, self.reason = plan, stops, nearest, reason
 
     def __str__(self) -> str:
         return str(self.args[0])

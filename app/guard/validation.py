@@ -45,12 +45,6 @@ def numbers(values: object, count: int) -> tuple[float, ...] | None:
     return tuple(float(value) for value in array)
 
 
-def vector(values: object) -> tuple[float, float, float] | None:
-    """Three finite numbers, or None."""
-    found = numbers(values, 3)
-    return None if found is None else (found[0], found[1], found[2])
-
-
 def put(handle: Any, value: float | str | bool) -> None:
     """Set a control; mypy does not see the setter of viser's property."""
     handle.value = value

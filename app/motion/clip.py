@@ -47,14 +47,12 @@ class CameraTarget:
     # name of the node that a camera follows: the base of the robot that is drawn solid. Another
     # node is another robot, and is looked at anew
     follow: str
-    # low, high: (3,) m, world frame: corners of a box around the robot in all of its motion
-    low: Array
-    high: Array
+    points: Array  # (P, 3) m, world frame: the robot is between them in all of its motion
 
     @property
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        return {"follow": self.follow, "low": self.low.tolist(), "high": self.high.tolist()}
+        return {"follow": self.follow, "points": self.points.round(4).tolist()}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +64,7 @@ class Clip:
     # of the motion, so that a page knows which one it draws
     request: Mapping[str, Any] = field(default_factory=dict)
     camera_target: CameraTarget | None = None  # what a camera looks at; None: nothing
+    parts: tuple[Mapping[str, Any], ...] = ()  # of the robot, to be pointed at, for JSON
 
     @cached_property
     def encoded(self) -> tuple[str, str]:
@@ -101,6 +100,7 @@ class Clip:
             "end": self.end,
             "request": dict(self.request),
             "sight": None if target is None else target.plain,
+            "parts": self.parts,
             "strands": strands,
         }
         return json.dumps(header), blob

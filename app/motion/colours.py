@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 from llsrbm.look.palette import *  # noqa: F403
-from llsrbm.look.palette import Rgb
+from llsrbm.look.palette import FORCE, Rgb, paler
 
-PINNED: tuple[Rgb, ...] = ((140, 40, 255), (112, 112, 60), (214, 118, 168))
-"""Of pinned designs: with the two above at least 20 apart in CIELAB, for colour-blind eyes too, and
-2.5 : 1 against white and against viser's dark panel."""
+PINNED: tuple[Rgb, ...] = ((128, 32, 240), (176, 80, 96), (176, 160, 96))
+"""Of pinned designs: with plan and simulation at least 20 apart in CIELAB, for colour-blind eyes
+too, and 2.5 : 1 against white and against viser's dark panel."""
 
-FRICTION: Rgb = (232, 150, 60)
+COMPONENTS: tuple[Rgb, ...] = (
+    (0, 144, 128),
+    (208, 144, 0),
+    (132, 88, 212),
+    (112, 144, 16),
+    (160, 92, 56),
+    (224, 96, 144),
+)
+"""Of components that share a chart, where motions differ by line style: none is near the blue of
+plans or the orange of simulations."""
+
+FRICTION: Rgb = paler(FORCE, 0.4)  # bounds of forces
 SUPPORT: Rgb = (22, 150, 160)
-REACH: Rgb = (70, 150, 200)
-COLLISION: Rgb = (200, 90, 150)
-
-CURSOR: Rgb = (34, 34, 34)
-DETECTION: Rgb = (255, 255, 255)
+REACH: Rgb = paler(SUPPORT, 0.3)  # where feet may be
+COLLISION: Rgb = (206, 172, 32)
 
 
 def linear(colour: Rgb) -> list[float]:

@@ -12,6 +12,7 @@ from enum import Enum
 from typing import Any
 
 import viser
+from viser import Icon, IconName
 
 
 @dataclass(frozen=True)
@@ -21,19 +22,20 @@ class Button:
     place: str  # where in the panel, with others of the same place
     label: str  # label, hint: for people
     hint: str | None = None
+    icon: IconName | None = None  # in place of the label, which remains its name
 
 
 class Act(Enum):
     """An act: a button, or the name of a group of controls that was moved."""
 
-    NEAREST = Button("top", "Use nearest feasible")
+    NEAREST = Button("verdict", "Use nearest", "Ask for the jump that is shown instead")
     SIMULATE = Button("main", "Simulate", "Follow the plan with the whole robot in MuJoCo")
     CANCEL = Button("main", "Cancel", "Stop what is being computed")
     EXPORT = Button("export", "Export", "Saves the simulation if there is one, else the plan")
     STOP_FILES = Button("stop", "Stop", "Stop reading or writing this file")
-    UNDO = Button("history", "Undo", "The design before the last change")
-    REDO = Button("history", "Redo", "The design that was undone")
-    SHARE = Button("history", "Share", "A link that opens this design")
+    UNDO = Button("history", "Undo", "The design before the last change", Icon.ARROW_BACK_UP)
+    REDO = Button("history", "Redo", "The design that was undone", Icon.ARROW_FORWARD_UP)
+    SHARE = Button("history", "Share", "A link that opens this design", Icon.LINK)
     COMPARE_REPLANNING = Button(
         "push",
         "With and without replanning",
@@ -47,10 +49,11 @@ class Act(Enum):
     SEEDS = Button(
         "seeds", "Simulate 20 seeds", "The same plan under 20 disturbances: how many land"
     )
-    WORST = Button("worst", "Open the worst", "Show the simulation that fell first or erred most")
+    WORST = Button("worst", "Show the worst seed", "The simulation that fell first or erred most")
     PIN = Button("pin", "Pin", "Keep this design as a ghost and compare others with it")
     USE_PINNED = Button("pinned", "Use this design", "Make the pinned design the current one")
     UNPIN = Button("pinned", "Unpin")
+    CHECK = Button("certificate", "Check the motion", "Stops, drives, friction, distances at 1 kHz")
     RESET_TUNING = Button(
         "limits", "Reset all", "Every weight and limit as the robot's file has it, or the jump type"
     )
@@ -59,7 +62,9 @@ class Act(Enum):
     )
 
     JUMP = "jump"
+    WHOLE_BODY = "whole body"
     SCENARIO = "scenario"
+    AUTOMATIC = "automatic"
     VIEW = "view"
     ATLAS = "atlas"
     PINNED = "pinned"
@@ -94,6 +99,6 @@ def add_buttons(gui: viser.GuiApi, place: str, put: Put) -> Buttons:
     for act in Act:
         button = act.value
         if isinstance(button, Button) and button.place == place:
-            added[act] = gui.add_button(button.label, hint=button.hint)
+            added[act] = gui.add_button(button.label, hint=button.hint, icon=button.icon)
             added[act].on_click(callback(put, act))
     return added

@@ -17,7 +17,7 @@ from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import Axis, words_of
 from llsrbm.atlas.map import ALL, NEAREST, Map, Scale
 from llsrbm.mechanics import Array
-from llsrbm.request.messages import short
+from llsrbm.request.numbers import short
 
 _COLOURS = {colour.title: colour.name for colour in COLOURS.values()}
 _PROJECTIONS = {"as in the design": NEAREST, "all of the sweep": ALL}
@@ -164,7 +164,7 @@ def slice_of(drawn: Map) -> str:
     for axis in drawn.jumps.axes:
         if axis.name not in shown:
             values = drawn.jumps.requested[axis.name][drawn.members] * axis.scale
-            low, high = (short(float(f"{end:.3g}")) for end in (values.min(), values.max()))
+            low, high = (short(end, 3) for end in (values.min(), values.max()))
             span = low if low == high else f"{low} to {high}"
             parts.append(f"{axis.title} {span} {axis.unit}".rstrip())
     line = ", ".join(parts)

@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 import viser
+from viser import Icon
 
 from app.guard.validation import put
 from app.page_template import accept_drops
@@ -142,7 +143,7 @@ ALSO = tuple(
 
 
 class FileControls:
-    """Above: format, export and open; in the tab Files, after `add_tab`, all the rest."""
+    """Above: open, format, export, and, after `add_progress`, notes; in the tab Files the rest."""
 
     def __init__(
         self,
@@ -157,18 +158,16 @@ class FileControls:
         self._put = put_act
         self._examples = {design.title: design for design in examples.values()}
         self._choose_example = choose_example
-        self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
-        self.fields.add([FORMAT])
-        self.buttons: Buttons = add_buttons(gui, "export", put_act)  # so far
-        self._busy = gui.add_html("", visible=False)
-        self.buttons |= add_buttons(gui, "stop", put_act)
         # the button that opens a file
         self.open = gui.add_upload_button(
             "Open",
             mime_type=",".join(_suffixes()),
             hint="A design, a plan, a simulation or another tool's motion; or drop it on the page",
+            icon=Icon.FOLDER_OPEN,
         )
-        self._note = gui.add_html("", visible=False)
+        self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
+        self.fields.add([FORMAT])
+        self.buttons: Buttons = add_buttons(gui, "export", put_act)  # so far
         accept_drops(client)
 
         # Asynchronous, so that it runs on the event loop, in order.
@@ -182,6 +181,12 @@ class FileControls:
     def format(self) -> Any:
         """The menu of formats."""
         return self.fields.handle(FORMAT)
+
+    def add_progress(self) -> None:
+        """Add what is being read or written, and a note on what was, in the open container."""
+        self._busy = self._gui.add_html("", visible=False)
+        self.buttons |= add_buttons(self._gui, "stop", self._put)
+        self._note = self._gui.add_html("", visible=False)
 
     def add_tab(self) -> None:
         """Add examples, the design's file and how motions are written, in the open container."""

@@ -1,4 +1,4 @@
-"""The panel's pieces of HTML: notes, tables, legend. Everything shown is escaped."""
+"""The panel's pieces of HTML: notes, tables, headings. Everything shown is escaped."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from html import escape
 
 from app.motion import colours
 from app.motion.colours import Rgb
-from app.picture.drawing import Key
 
 PADDING = "padding:0.35em 0.9em"
 SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
@@ -43,12 +42,9 @@ def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     return f'<div style="{SMALL}">{head}<table style="{compact}">{body}</table></div>'
 
 
-def legend(keys: Iterable[Key]) -> str:
-    """Colours and their meanings, each once."""
-    body = "".join(
-        f"<div>{swatch(key.colour)}{escape(key.meaning)}</div>" for key in dict.fromkeys(keys)
-    )
-    return f'<div class="llsrbm-wide"><div style="{SMALL}">{body}</div></div>' if body else ""
+def heading(text: str) -> str:
+    """A line above a group of boxes."""
+    return f'<div class="llsrbm-wide" style="{DIM};font-size:0.75em">{escape(text)}</div>'
 
 
 def swatch(colour: Rgb) -> str:

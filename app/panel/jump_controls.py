@@ -20,7 +20,9 @@ from app.panel.jump_types import (
     turns_offered,
     types_offered,
 )
+from app.viser_private import uuid_of
 from llsrbm import models
+from llsrbm.planning.solve.guess_table import REQUEST
 from llsrbm.request import jump_types
 from llsrbm.request.jump import MOST_HOPS, Jump
 from llsrbm.request.jump_types import JumpType
@@ -79,6 +81,9 @@ SLIDERS = (
     ),
 )
 
+TINTED: Mapping[str, Field[Jump]] = dict(zip(REQUEST, SLIDERS, strict=False))
+"""Sliders whose tracks show what can be planned (`app.tab.feasible`), by fields of a request."""
+
 
 class JumpControls:
     """Robot, model, type and sliders, added to the container that is open."""
@@ -114,8 +119,33 @@ class JumpControls:
         )
         for menu in (self._robot, self._model, self._type, self._turn):
             menu.on_update(callback(acted, Act.JUMP))
+        self._whole_body = gui.add_checkbox(
+            "Whole body",
+            False,
+            hint="Refine plans on the equations of motion of every link",
+        )
+        self._whole_body.on_update(callback(acted, Act.WHOLE_BODY))
         self._sliders = Fields(gui, jump, robots[jump.robot], acted, Act.JUMP)
         self._sliders.add(SLIDERS)
+
+    @property
+    def robot_and_model(self) -> tuple[Any, Any]:
+        """Their menus, which stand in one row."""
+        return self._robot, self._model
+
+    @property
+    def whole_body(self) -> bool:
+        """Whether plans are refined, as the box stands."""
+        return self._whole_body.value is True
+
+    def show_whole_body(self, ticked: bool) -> None:
+        """Whether plans are refined."""
+        put(self._whole_body, ticked)
+
+    @property
+    def tinted(self) -> dict[str, str]:
+        """Field of a request -> the uuid of its slider."""
+        return {name: uuid_of(self._sliders.handle(field)) for name, field in TINTED.items()}
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request as the controls stand, else `current`, and what had to be corrected."""

@@ -1,7 +1,8 @@
 """One tab's controls and what they show. Labels are part of the contract.
 
-What is used all the time stands above: the status, the jump, its simulation and its export. The
-rest is in tabs below. The panel holds no facts: it is read and drawn by the session's thread.
+From the top: undo, files as icons; robot and jump; the verdict; Simulate with its scenario, folded.
+These stay, and the tabs below scroll. The panel holds no facts: it is read and drawn by the
+session's thread.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import viser
 from app.panel import html, summaries
 from app.panel.acts import Act, Put, add_buttons
 from app.panel.atlas_controls import AtlasControls
+from app.panel.certificate import certificate_table
 from app.panel.comparison import ComparisonControls
 from app.panel.file_controls import FileControls
 from app.panel.jump_controls import JumpControls
@@ -22,6 +24,7 @@ from app.panel.status import Status
 from app.panel.tuning import TuningControls
 from app.panel.view_controls import View, ViewControls
 from app.viser_private import uuid_of
+from llsrbm.certificate import Certificate
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
@@ -30,6 +33,9 @@ from llsrbm.robots import RobotFile
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
 _NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
 _NO_SIMULATION = "No simulation yet: Simulate has the whole robot follow the plan."
+_NO_CERTIFICATE = (
+    "Stops, drives, friction, slip, distances and dynamics of the motion shown, at 1 kHz."
+)
 _NO_RESIDUALS = "The largest violation of each constraint appears with the first plan."
 
 
@@ -51,56 +57,66 @@ class Panel:
     ) -> None:
         """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
-        self._status = gui.add_html("")
-        self.buttons = add_buttons(gui, "top", put)  # all of them, by their acts
-        self.jump = JumpControls(gui, design.jump, robots, put)
-        self.buttons |= add_buttons(gui, "main", put)
+        self.buttons = add_buttons(gui, "history", put)  # all of them, by their acts
         self.files = FileControls(client, examples, put, choose_example, open_file)
-        self.buttons |= add_buttons(gui, "history", put)
+        self.jump = JumpControls(gui, design.jump, robots, put)
+        self._status = gui.add_html("")
+        self.buttons |= add_buttons(gui, "verdict", put)
+        self.buttons |= add_buttons(gui, "main", put)
+        self.files.add_progress()
+        with gui.add_folder("Scenario", expand_by_default=False):
+            self.scenario = ScenarioControls(gui, robots[design.jump.robot], put)
         tabs = gui.add_tab_group()
         with tabs.add_tab("View"):
             self.view = ViewControls(gui, view, put)
-        with tabs.add_tab("Scenario"):
-            self.scenario = ScenarioControls(gui, robots[design.jump.robot], put)
-        with tabs.add_tab("Figures"):
+        with tabs.add_tab("Results"):
+            with gui.add_folder("Certificate"):
+                self._certificate = gui.add_html("")
+                self.buttons |= add_buttons(gui, "certificate", put)
             self.comparison = ComparisonControls(gui, put)
             self._rollout_figures = gui.add_html(html.note(_NO_SIMULATION))
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
         self.plots_tab = tabs.add_tab("Plots")  # the container for the controls of the plots
-        with tabs.add_tab("Atlas"):
-            self.atlas = AtlasControls(gui, sweeps, put)
-        with tabs.add_tab("Limits"):
-            self.tuning = TuningControls(gui, put)
         with tabs.add_tab("Files"):
             self.files.add_tab()
-        with tabs.add_tab("Help"):
-            gui.add_html(html.TOUR_BUTTON)
-            gui.add_markdown(_HELP.read_text(encoding="utf-8"))
+        with tabs.add_tab("More"):
+            with gui.add_folder("Limits", expand_by_default=False):
+                self.tuning = TuningControls(gui, put)
+            with gui.add_folder("Atlas", expand_by_default=False):
+                self.atlas = AtlasControls(gui, sweeps, put)
+            with gui.add_folder("Help", expand_by_default=False):
+                gui.add_html(html.TOUR_BUTTON)
+                gui.add_markdown(_HELP.read_text(encoding="utf-8"))
         for group in (self.files, self.scenario, self.comparison, self.tuning):
             self.buttons |= group.buttons
 
     @property
     def arrangement(self) -> dict[str, str | list[str]]:
         """Uuids of the controls that stand in rows (static/panel.js)."""
-        row = (self.files.open, *(self.buttons[act] for act in (Act.UNDO, Act.REDO, Act.SHARE)))
+        icons = [self.buttons[act] for act in (Act.UNDO, Act.REDO, Act.SHARE)]
         return {
-            "quarters": [uuid_of(button) for button in row],
-            "main": uuid_of(self.buttons[Act.SIMULATE]),
-            "cancel": uuid_of(self.buttons[Act.CANCEL]),
+            "icons": [uuid_of(button) for button in (*icons, self.files.open)],
+            "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
+            "menus": [uuid_of(menu) for menu in self.jump.robot_and_model],
+            "main": uuid_of(self.buttons[Act.SIMULATE]),
+            "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }
 
     def show_status(self, status: Status) -> None:
-        """One line on the progress, with a bar."""
+        """The verdict, or the progress with a bar."""
         self._status.content = status.html
 
-    def offer_nearest(self, changes: str | None) -> None:
-        """Name a jump that can be planned, in place of one that cannot; None: there is none."""
-        if changes is not None:
-            self.buttons[Act.NEAREST].label = f"{Act.NEAREST.value.label}: {changes}"
+    def show_certificate(self, certificate: Certificate | None, of: str, note: str) -> None:
+        """Findings of what is shown (`of`: in words), or a note in their place."""
+        self._certificate.content = (
+            html.note(note or _NO_CERTIFICATE)
+            if certificate is None
+            else certificate_table(certificate, of)
+        )
 
     def show_figures(self, plan: Plan | None, rollout: Rollout | None) -> None:
         """A motion's numbers."""

@@ -11,8 +11,9 @@ from typing import Any
 
 import viser
 
+from app.guard.validation import put
 from app.panel import summaries
-from app.panel.acts import Act, Buttons, Put, add_buttons
+from app.panel.acts import Act, Buttons, Put, add_buttons, callback
 from app.panel.fields import Ends, Field, Fields
 from app.panel.html import note
 from app.panel.status import SeedResult
@@ -20,6 +21,7 @@ from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
 from llsrbm.robots import RobotFile
 from llsrbm.simulation.surroundings import TO_SPARE
 
+AUTOMATICALLY = "Simulate automatically"
 _NO_SEEDS = "No seeds tried yet: each one is another disturbance of the same plan."
 _STEP = 5  # mm
 _LARGEST_SEED = 9999
@@ -141,15 +143,36 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
 class ScenarioControls:
     """The table's controls with their buttons, and results of seeds; in the open container."""
 
-    def __init__(self, gui: viser.GuiApi, file: RobotFile, put: Put) -> None:
-        self.fields = Fields(gui, Scenario(), file, put, Act.SCENARIO)  # of the table
+    def __init__(self, gui: viser.GuiApi, file: RobotFile, acted: Put) -> None:
+        self.fields = Fields(gui, Scenario(), file, acted, Act.SCENARIO)  # of the table
+        gui.add_html('<div class="llsrbm-scenario llsrbm-wide"></div>')
+        self._automatic = gui.add_checkbox(
+            AUTOMATICALLY,
+            False,
+            hint="After every change, once it was simulated: ticked by itself where that is quick",
+        )
+        self._automatic.on_update(callback(acted, Act.AUTOMATIC))
         self.fields.add((*BOARD, *PUSH))
-        self.buttons: Buttons = add_buttons(gui, "push", put)  # between them
+        self.buttons: Buttons = add_buttons(gui, "push", acted)  # between them
         self.fields.add(DISTURBANCE)
-        self.buttons |= add_buttons(gui, "seeds", put)
-        self._results = gui.add_html(note(_NO_SEEDS))
-        self.buttons |= add_buttons(gui, "worst", put)
+        self.buttons |= add_buttons(gui, "seeds", acted)
+        self._results = gui.add_html(_wide(note(_NO_SEEDS)))
+        self.buttons |= add_buttons(gui, "worst", acted)
+
+    @property
+    def automatic(self) -> bool:
+        """Whether to simulate after every change, as the box stands."""
+        return self._automatic.value is True
+
+    def show_automatic(self, ticked: bool) -> None:
+        """Whether every change is simulated."""
+        put(self._automatic, ticked)
 
     def show_seeds(self, results: Sequence[SeedResult], worst_seed: int | None) -> None:
         """The outcomes of several seeds; the worst of them is marked."""
-        self._results.content = summaries.seeds_table(results, worst_seed) or note(_NO_SEEDS)
+        table = summaries.seeds_table(results, worst_seed)
+        self._results.content = _wide(table or note(_NO_SEEDS))
+
+
+def _wide(content: str) -> str:
+    return f'<div class="llsrbm-wide">{content}</div>'

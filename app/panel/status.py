@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from html import escape
 
-from llsrbm.request.messages import decimal
+from llsrbm.request.numbers import decimal
 
-_LINES = 3  # that are always there: what stands below must not jump
 _GREY, _GREEN, _RED, _AMBER = "#8a94a0", "#2f9e62", "#d6336c", "#d08a1d"
 
 
@@ -16,7 +15,9 @@ class Verdict(StrEnum):
     """A status line's first word."""
 
     PLANNING = "Planning"
-    PLANNED = "Planned"
+    FEASIBLE = "Feasible"
+    NEAREST = "Nearest"
+    INFEASIBLE = "Infeasible"
     SIMULATING = "Simulating"
     LANDED = "Landed"
     FELL = "Fell"
@@ -24,28 +25,55 @@ class Verdict(StrEnum):
     CANCELLED = "Cancelled"
 
 
-_COLOURS = dict(zip(Verdict, (_GREY, _GREEN, _GREY, _GREEN, _RED, _RED, _AMBER), strict=True))
+_COLOURS = {
+    Verdict.PLANNING: _GREY,
+    Verdict.FEASIBLE: _GREEN,
+    Verdict.NEAREST: _AMBER,
+    Verdict.INFEASIBLE: _RED,
+    Verdict.SIMULATING: _GREY,
+    Verdict.LANDED: _GREEN,
+    Verdict.FELL: _RED,
+    Verdict.FAILED: _RED,
+    Verdict.CANCELLED: _AMBER,
+}
+
+
+_OF_A_MOTION = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED, Verdict.FELL)
+"""Verdicts on a motion that can be checked; pressed, they open its certificate."""
 
 
 @dataclass(frozen=True)
 class Status:
-    """Progress or outcome of what is computed."""
+    """Progress or outcome of what is computed: a large word, and what a roboticist asks next."""
 
-    verdict: Verdict  # with which the line begins
-    rest: str  # that follows it
-    busy: bool = False  # whether there is something to cancel
+    verdict: Verdict  # with which it begins
+    rest: str = ""  # a sentence that follows the word
+    busy: bool = False  # whether there is something to cancel, and all this may change
     share: float | None = None  # of it that is done, 0 to 1; None where that is not known
+    limit: str = ""  # of the verdict, large as it is: "not strict"
+    figures: tuple[tuple[str, str], ...] = ()  # titles and values
+    points: tuple[str, ...] = ()  # short sentences, in place of figures
+    outdated: bool = False  # it is of another scenario
 
     @property
     def html(self) -> str:
-        """The line with its bar, to be shown in the panel."""
-        word, colour = self.verdict.value, _COLOURS[self.verdict]
-        joint = "" if self.rest.startswith((",", ".")) else " "  # "Landed, but ..."
+        """All of it with its bar, in a place of the same size whatever it is (static/panel.js)."""
+        word, colour = self.verdict.value, _GREY if self.outdated else _COLOURS[self.verdict]
+        large = escape(f"{word}, {self.limit}" if self.limit else word)
+        if self.verdict in _OF_A_MOTION and not self.busy:
+            large = f'<button type="button" title="Show the certificate">{large}</button>'
+        rest = f" <span>{escape(self.rest)}</span>" if self.rest else ""
+        figures = "".join(
+            f"<div><dt>{escape(title)}</dt> <dd>{escape(value)}</dd></div> "
+            for title, value in self.figures
+        )
+        points = "".join(f"<li>{escape(point)}</li> " for point in self.points)
+        kind = " outdated" if self.outdated else ""
         return (
-            '<div class="llsrbm-status"><div role="status" style="padding:0.35em 0.9em;'
-            f"font-size:0.8em;line-height:1.35;min-height:{_LINES * 1.35}em;"
-            f'box-sizing:content-box;border-left:4px solid {colour};margin:0.3em 0"><b>'
-            f"{escape(word)}</b>{joint}{escape(self.rest)}</div>{_bar(self.share)}</div>"
+            f'<div class="llsrbm-status{kind}" style="--verdict:{colour}">'
+            f'<div role="status" aria-busy="{str(self.busy).lower()}"><b>{large}</b>{rest}'
+            f"{f' <dl>{figures}</dl>' if figures else ''}{f' <ul>{points}</ul>' if points else ''}"
+            f"</div>{_bar(self.share)}</div>"
         )
 
 

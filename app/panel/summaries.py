@@ -9,37 +9,48 @@ from html import escape
 import numpy as np
 
 from app.panel.html import SMALL, table
-from app.panel.status import SeedResult, Verdict
+from app.panel.status import SeedResult, Status, Verdict
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
+from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan, Violation
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.messages import decimal, percent, power
+from llsrbm.request.jump import Jump, changes
+from llsrbm.request.numbers import decimal, degrees, percent, power
 from llsrbm.robots import load_robot
 
 _EVENTS_OF_A_FALL = 4  # events; what follows them is the fall itself
 
 
-def planned_line(plan: Plan, remark: str = "") -> str:
-    """The status line after "Planned": flight, apex and peak torque, after a remark."""
+def plan_status(
+    plan: Plan, remark: str = "", wanted: Jump | None = None, reason: str = ""
+) -> Status:
+    """That a plan is there, after a remark; or the nearest to what was asked for, and why."""
+    if wanted is not None:
+        nearest = changes(wanted, plan.jump) or "all but the same as asked for"
+        return Status(Verdict.NEAREST, remark, points=(_sentence(nearest), _sentence(reason)))
     values = figures_of_plan(plan)
-    parts = [f"apex {decimal(100 * values.apex, signed=True)} cm"]
+    shown = [("Apex", f"{decimal(100 * values.apex, signed=True)} cm")]
     if values.flight_time_s is not None:
-        parts.insert(0, f"flight {decimal(values.flight_time_s, 2)} s")
+        shown.insert(0, ("Flight", f"{decimal(values.flight_time_s, 2)} s"))
     if values.planned_torque_ratio is not None:
-        parts.append(f"peak torque {decimal(100 * values.planned_torque_ratio)} %")
-    line = ", ".join(parts)
-    return f". {remark}{line[0].upper()}{line[1:]}."
+        shown.append(("Peak torque", percent(values.planned_torque_ratio)))
+    parts = [remark] if remark else []
+    if plan.refined:
+        parts.append("whole body")
+    elif plan.refinement is not None:
+        parts.append("not refined: the whole body's plan was not found")
+    if plan.report.compiling:
+        parts.append("solver still being compiled")
+    return Status(Verdict.FEASIBLE, ", ".join(parts), figures=tuple(shown))
 
 
-def live_line(plan: Plan) -> str:
-    """The status line after "Planning" while the request still moves."""
-    report = plan.report
-    return (
-        f"while you drag: {decimal(1e3 * report.total_time_s)} ms, {report.iterations} iterations"
-    )
+def refused_status(reason: str, remark: str = "") -> Status:
+    """That there is no plan, and none near it."""
+    points = _sentence(reason), "No jump near it is known."
+    return Status(Verdict.INFEASIBLE, remark, points=points)
 
 
 def progress_line(text: str, iteration: int | None, residual: float | None) -> str:
@@ -52,26 +63,30 @@ def progress_line(text: str, iteration: int | None, residual: float | None) -> s
     return f"({', '.join(parts)}) ..."
 
 
-def simulated_line(rollout: Rollout) -> tuple[Verdict, str]:
-    """The status line's word and what follows it."""
+def simulated_status(rollout: Rollout, remark: str = "") -> Status:
+    """Whether the robot landed, and how well, after a remark; or what went wrong."""
     outcome = rollout.outcome
     if not rollout.landed:
-        return Verdict.FELL, f"{fall_in_words(rollout)}."
-    parts = []
-    if outcome.yaw_error_at_touchdown is not None:
-        parts.append(f"yaw {_degrees(outcome.yaw_error_at_touchdown)} from the plan at touchdown")
-    parts.append(f"{_degrees(outcome.final_yaw_error)} at the end")
-    if rollout.replans:  # in the place of what matters less, as there are three lines
+        words = f"{fall_in_words(rollout)}."
+        return Status(Verdict.FELL, f"{remark}: {words}" if remark else words)
+    parts = [remark] if remark else []
+    if rollout.replans:
         parts.append(f"{_followed(rollout)} new plans followed")
-    else:
-        parts.append(f"{decimal(outcome.real_time_factor, 1)}× real time")
     if outcome.unsolved_ticks:
         ticks = _counted(outcome.unsolved_ticks, "tick")
         parts.append(f"the controller's QP was unsolved in {ticks}")
-    loosely = "" if outcome.strict else ", but failed the strict criterion: "
+    if outcome.touched:
+        parts.append(outcome.touched)
+    limit = "" if outcome.strict else "not strict"
     if rollout.pushes and outcome.recovered and not outcome.strict:
-        loosely = ", recovered from the push: "
-    return Verdict.LANDED, loosely + ", ".join(parts)
+        limit = "recovered from the push"
+    yaw, foot = outcome.yaw_error_at_touchdown, outcome.foot_error
+    shown = (
+        ("Yaw error", degrees(outcome.final_yaw_error if yaw is None else yaw, signed=True)),
+        ("Tilt", degrees(outcome.final_tilt)),
+        ("Foot error", _millimetres(foot)),
+    )
+    return Status(Verdict.LANDED, ", ".join(parts), limit=limit, figures=shown)
 
 
 def _followed(rollout: Rollout) -> str:
@@ -127,6 +142,10 @@ def _amount(violation: Violation) -> str:
     return f"{power(violation.amount)} {violation.unit.replace('m2', 'm²')}"
 
 
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
+
+
 def _spoken(name: str) -> str:
     return name.replace("_", " ")
 
@@ -135,13 +154,13 @@ def plan_figures(plan: Plan) -> str:
     """The plan's numbers."""
     report, values = plan.report, figures_of_plan(plan)
     load = planned_peak_load(plan)
+    solver = report.solver
+    if report.compiling:
+        solver += ", still being compiled: twice as fast once it is"
     sliding = load_robot(plan.jump.robot).sliding_joints
     standing = plan.robot_parameters["inertia"][2][2]
     return table(
         [
-            ("Solve time", f"{decimal(1e3 * report.solve_time_s)} ms ({report.solver})"),
-            ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
-            ("Largest violation", worst(plan.violations)),
             ("Duration", f"{decimal(plan.duration, 2)} s = {_phases(plan)}"),
             ("Peak yaw rate", f"{decimal(values.peak_yaw_rate, 2)} rad/s"),
             (
@@ -156,14 +175,27 @@ def plan_figures(plan: Plan) -> str:
                     f"{_known(values.peak_force_in_weights, 2)} of the weight"
                 ),
             ),
+            *_model_error(plan),
             *(
                 []
                 if load is None
                 else [("Most loaded joint", f"{load.joint} {load.in_words(sliding)}")]
             ),
+            ("Solve time", f"{decimal(1e3 * report.solve_time_s)} ms ({solver})"),
+            ("Iterations", f"{report.iterations}" + _attempts(report.attempts)),
+            ("Largest violation", worst(plan.violations)),
         ],
         "Plan",
     )
+
+
+def _model_error(plan: Plan) -> list[tuple[str, str]]:
+    error = model_turn(plan)
+    if error is None:
+        return []
+    takeoff, flight = (degrees(turn, signed=True) for turn in (error.takeoff, error.flight))
+    turns = f"{takeoff} until lift-off, {flight} in flight"
+    return [("Model's turn error", f"{plan.jump.model}: {turns}")]
 
 
 def _phases(plan: Plan) -> str:
@@ -187,8 +219,7 @@ def rollout_figures(rollout: Rollout) -> str:
     )
     rows = [
         ("World", _scenario(rollout)),
-        ("Yaw at touchdown", _against_plan(outcome.yaw_error_at_touchdown)),
-        ("Yaw at the end", _against_plan(outcome.final_yaw_error)),
+        ("Yaw from the plan", _yaw_errors(outcome)),
         ("Detection", _detection(outcome)),
         ("Foot error", feet),
         (
@@ -270,12 +301,16 @@ def _detection(outcome: Outcome) -> str:
     return f"{text}, {false} false" if false else text
 
 
-def _against_plan(error: float | None) -> str:
-    return "none" if error is None else f"{_degrees(error)} from the plan"
-
-
-def _degrees(angle: float) -> str:
-    return f"{decimal(math.degrees(angle), 1, signed=True)}°"
+def _yaw_errors(outcome: Outcome) -> str:
+    errors = (
+        ("at lift-off", outcome.yaw_error_at_lift_off),
+        ("gained in flight", outcome.yaw_error_in_flight),
+        ("at touchdown", outcome.yaw_error_at_touchdown),
+        ("at the end", outcome.final_yaw_error),
+    )
+    return ", ".join(
+        f"{degrees(error, signed=True)} {when}" for when, error in errors if error is not None
+    )
 
 
 def _millimetres(length: float | None) -> str:

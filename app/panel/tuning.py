@@ -16,7 +16,6 @@ from app.panel.html import note
 from llsrbm.planning.problem.costs import COSTS, default_weights
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request import jump_types
-from llsrbm.request.messages import short
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
 
@@ -95,7 +94,7 @@ def _table(title: str, entries: list[Entry]) -> str:
 
 
 def _row(entry: Entry) -> str:
-    title, unit, own = escape(entry.title), escape(_unit(entry.unit)), short(entry.default)
+    title, unit, own = escape(entry.title), escape(_unit(entry.unit)), f"{entry.default:g}"
     named = title if entry.unit == "1" else f"{title} [{escape(entry.unit)}]"
     return (
         f'<tr data-group="{entry.group}" data-name="{escape(entry.name)}" data-default="{own}">'

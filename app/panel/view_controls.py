@@ -1,4 +1,4 @@
-"""The controls of overlays and light, and the legend of what is drawn."""
+"""The controls of overlays and light; the colours of what is drawn stand beside its box."""
 
 from __future__ import annotations
 
@@ -7,13 +7,16 @@ from functools import partial
 
 import viser
 
+from app.motion import colours
 from app.panel import html
 from app.panel.acts import Act, Put
 from app.panel.fields import Field, Fields
+from app.picture.drawing import Group
 from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.picture import Picture
+from app.viser_private import uuid_of
 
-BRAND = (38, 92, 150)
+BRAND = (62, 78, 99)  # no motion has it
 
 
 @dataclass(frozen=True)
@@ -22,6 +25,7 @@ class View:
 
     layers: frozenset[str] = AT_FIRST  # names of overlays
     night: bool = False  # a dark page
+    shortcuts: bool = True  # keys of the page, beside those of its controls
 
 
 def _shows(name: str, view: View) -> bool:
@@ -32,31 +36,52 @@ def _with_layer(name: str, view: View, on: bool) -> View:
     return replace(view, layers=view.layers | {name} if on else view.layers - {name})
 
 
+BOXES: dict[str, Field[View]] = {
+    name: Field(overlay.title, overlay.hint, partial(_shows, name), partial(_with_layer, name))
+    for name, overlay in OVERLAYS.items()
+}
+"""Of the overlays, by name; an overlay has one by itself."""
+
 SWITCHES: tuple[Field[View], ...] = (
-    *(
-        Field(overlay.title, overlay.hint, partial(_shows, name), partial(_with_layer, name))
-        for name, overlay in OVERLAYS.items()
+    Field(
+        "Keyboard shortcuts",
+        "Space, arrows, Home and End for the motion; 0 to 3, F and P for the picture",
+        lambda view: view.shortcuts,
+        lambda view, on: replace(view, shortcuts=on),
     ),
     Field(
-        "Night", "A dark page", lambda view: view.night, lambda view, on: replace(view, night=on)
+        "Dark mode",
+        "A dark page",
+        lambda view: view.night,
+        lambda view, on: replace(view, night=on),
     ),
 )
-"""A switch more is a row here and its field in `View`; an overlay has one by itself."""
+"""Of the page; a switch more is a row here and its field in `View`."""
 
 
 class ViewControls:
-    """A box to tick for each switch, and the legend, in the container that is open."""
+    """A box to tick for each overlay and switch, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, view: View, put: Put) -> None:
         gui.add_html('<div class="llsrbm-boxes"></div>')
         self.fields = Fields(gui, view, None, put, Act.VIEW)  # the boxes
+        for group in Group:
+            gui.add_html(html.heading(group.value))
+            overlays = [name for name, each in OVERLAYS.items() if each.group is group]
+            self.fields.add([BOXES[name] for name in overlays])
+        gui.add_html(html.heading("Page"))
         self.fields.add(SWITCHES)
-        self._legend = gui.add_html("")
 
-    def show_legend(self, picture: Picture) -> None:
-        """Meanings of the colours that are drawn."""
-        shown = (overlay for name, overlay in OVERLAYS.items() if name in picture.layers)
-        self._legend.content = html.legend(key for each in shown for key in each.keys(picture))
+    def swatches(self, picture: Picture) -> dict[str, list[str]]:
+        """The colours of each overlay's box, by its uuid, as CSS; none: it shows nothing now."""
+        return {
+            uuid_of(self.fields.handle(BOXES[name])): [
+                colours.css(colour)
+                for colour in overlay.swatch(picture)
+                if picture.planned is not None or not overlay.needs_motion
+            ]
+            for name, overlay in OVERLAYS.items()
+        }
 
 
 def configure_theme(gui: viser.GuiApi, *, dark: bool) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, NamedTuple
+from enum import StrEnum
+from typing import ClassVar
 
 import viser
 
@@ -38,11 +39,13 @@ class Drawing(ABC):
         """Show or hide everything; may be called before anything is drawn."""
 
 
-class Key(NamedTuple):
-    """A line of the legend."""
+class Group(StrEnum):
+    """Headings under which boxes stand, in their order."""
 
-    colour: Rgb
-    meaning: str
+    INERTIA = "Inertia and motion"
+    FORCES = "Forces"
+    FOOTHOLDS = "Footholds"
+    DEBUG = "Debug"
 
 
 class Overlay(Drawing):
@@ -51,7 +54,9 @@ class Overlay(Drawing):
     name: ClassVar[str]  # in `Picture.layers`
     title: ClassVar[str]  # label of its box
     hint: ClassVar[str]  # its meaning in one sentence
+    group: ClassVar[Group]  # heading above its box
     place: ClassVar[int]  # of its box among the others, a number
+    tints: ClassVar[tuple[Rgb, ...]] = ()  # colours in which it is drawn, whatever the motion
     at_first: ClassVar[bool] = False  # whether its box is ticked when a page opens
     # name of its node. viser labels nodes by their names, and tests find controls by label: it
     # differs from `title`
@@ -63,9 +68,9 @@ class Overlay(Drawing):
         self._copies: dict[str, Copies] = {}
 
     @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        """Its lines of the legend; none where its nodes explain themselves."""
-        return ()
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        """The colours in which it is drawn; none: it shows nothing of this picture."""
+        return cls.tints
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         _, _, frames = picture.motion

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.motion.colours import Rgb, linear
+from llsrbm.look.visuals import give_material
 from llsrbm.mechanics import Array
 
 if TYPE_CHECKING:
@@ -97,13 +98,17 @@ def disc(colour: Rgb) -> bytes:
     return solid(trimesh.creation.cylinder(1.0, 0.2, sections=20), colour)
 
 
+AXES: tuple[Rgb, ...] = ((214, 60, 60), (60, 170, 80), (60, 100, 220))
+"""Colours of x, y and z."""
+
+
 @lru_cache(maxsize=1)
 def triad() -> bytes:
     """Axes: x red, y green, z blue."""
     import trimesh
 
     axes = []
-    for axis, colour in enumerate(((214, 60, 60), (60, 170, 80), (60, 100, 220))):
+    for axis, colour in enumerate(AXES):
         extents, middle = np.full(3, _AXIS), np.zeros(3)
         extents[axis], middle[axis] = 1.0, 0.5
         box = trimesh.creation.box(extents=extents)
@@ -144,11 +149,8 @@ def soft_disc(rings: int = 5, sections: int = 24) -> bytes:
 
 def _blended(tree: dict[str, Any]) -> None:
     """Have a mesh's vertices give its opacity, too; whatever the light, it is as dark."""
-    tree["materials"] = [{"alphaMode": "BLEND", "extensions": {"KHR_materials_unlit": {}}}]
     tree["extensionsUsed"] = ["KHR_materials_unlit"]
-    for mesh in tree["meshes"]:
-        for primitive in mesh["primitives"]:
-            primitive["material"] = 0
+    give_material(tree, {"alphaMode": "BLEND", "extensions": {"KHR_materials_unlit": {}}})
 
 
 def z_to(along: Array) -> Array:

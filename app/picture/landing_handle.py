@@ -41,13 +41,15 @@ class LandingDragged:
 class LandingHandle:
     """Arrows along x and y, and a ring to turn it; stands at the target unless it is held."""
 
+    node = "/goal"  # its name in the scene
+
     def __init__(self, client: viser.ClientHandle, moved: Callable[[LandingDragged], None]) -> None:
         """Hidden; `moved` is called from viser's thread and must return at once."""
         self._target: Jump | None = None
         self._robot: Robot | None = None
         self._held = False
         self._handle = client.scene.add_transform_controls(
-            "/goal",
+            self.node,
             line_width=_LINE,
             active_axes=(True, True, False),
             opacity=0.7,

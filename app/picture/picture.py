@@ -14,6 +14,8 @@ from llsrbm.request.scenario import Push
 from llsrbm.robots import Robot
 from llsrbm.simulation.surroundings import Block
 
+_APART = 2.4  # heights of a standing robot's CoM from one robot to the next
+
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
@@ -22,6 +24,13 @@ class Ghost:
     robot: Robot  # whose
     frames: Frames  # of its motion
     colour: Rgb  # of the ghost
+    place: int = 0  # beside the robot that is shown: 1 to its left, 2 its right, 3 left of 1 ...
+
+    @property
+    def beside(self) -> float:
+        """How far to the left of where it is (m) it is drawn."""
+        way = (self.place + 1) // 2 * (1 if self.place % 2 else -1)
+        return _APART * float(self.robot.com[2]) * way
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ shown any more is hidden, and found again when it is shown next.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import chain, count
 
@@ -18,16 +18,12 @@ from app.motion.colours import Rgb, linear
 from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.blocks import tops_under
+from app.picture.bounds import around, around_default, default_pose, outermost
 from app.picture.drawing import Drawing
+from app.picture.parts import Part, parts_of
 from app.picture.picture import Picture
-from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
-from llsrbm.look.visuals import (
-    LinkVisual,
-    forward_kinematics,
-    link_visuals,
-    needs_preparation,
-)
-from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.look.collision_visuals import collision_visuals
+from llsrbm.look.visuals import LinkVisual, link_visuals, needs_preparation
 from llsrbm.robots import Robot
 
 KEPT = 4  # Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser
@@ -46,8 +42,7 @@ def meshes(
 
     def glb(visual: LinkVisual) -> bytes:
         if ghost is None:
-            solid: bytes = visual.mesh().export(file_type="glb")
-            return solid
+            return visual.glb()
         material = PBRMaterial(
             baseColorFactor=[*linear(ghost), _GHOST_OPACITY],
             metallicFactor=0.0,
@@ -106,7 +101,7 @@ class RobotNodes:
             self._draw()
 
     def _draw(self) -> None:
-        position, wxyz = _default_pose(self.robot)
+        position, wxyz = default_pose(self.robot)
         bodies = meshes(
             self.robot,
             fine=self._fine and not self._stand_in,
@@ -126,10 +121,9 @@ class RobotNodes:
                 glb,
                 position=position[body],
                 wxyz=wxyz[body],
-                # Onto the floor, if a lamp casts any; robots that are black by themselves, as
-                # ANYmal is, have nothing to gain from shadows on them.
+                # If a lamp casts any: where there is a graphics processor.
                 cast_shadow=self._ghost is None,
-                receive_shadow=False,
+                receive_shadow=self._ghost is None,
             )
         for handle in before.values():
             handle.remove()
@@ -141,9 +135,14 @@ class RobotNodes:
             for name, body in self._bodies.items()
         ]
 
+    @property
+    def bodies(self) -> Mapping[str, int]:
+        """Nodes that draw a body, and its index."""
+        return self._bodies
+
     def still(self) -> AnimationChannel:
         """Every body where it is in the default posture."""
-        position, wxyz = _default_pose(self.robot)
+        position, wxyz = default_pose(self.robot)
         return AnimationChannel(
             np.zeros(1),
             tuple(
@@ -195,57 +194,7 @@ class RobotShelf:
             self._made.pop(key).remove()
 
 
-@lru_cache(maxsize=8)
-def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
-    """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
-    corners = []
-    visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
-    for visual in visuals:
-        low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
-        corners.append(
-            [
-                [x, y, z]
-                for x in _ends(low, high, 0)
-                for y in _ends(low, high, 1)
-                for z in _ends(low, high, 2)
-            ]
-        )
-    return tuple(visual.joint_id - 1 for visual in visuals), np.reshape(corners, (-1, 8, 3))
-
-
-def around(robot: Robot, position: Array, wxyz: Array) -> tuple[Array, Array]:
-    """Corners `low` and `high`, (3,) m, of a box around a robot in all of its poses.
-
-    Those are of its bodies, (F, B, 3) m and (F, B, 4). Without meshes their origins count.
-    """
-    bodies, corners = extents(robot)
-    if not bodies:
-        return position.min(axis=(0, 1)), position.max(axis=(0, 1))
-    turn = rotation_matrices(wxyz[:, bodies])
-    points = position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
-    return points.min(axis=(0, 1, 2)), points.max(axis=(0, 1, 2))
-
-
-def around_default(robot: Robot) -> tuple[Array, Array]:
-    """The same of a robot in its default posture."""
-    position, wxyz = _default_pose(robot)
-    return around(robot, position[None], wxyz[None])
-
-
-@lru_cache(maxsize=16)
-def _default_pose(robot: Robot) -> tuple[Array, Array]:
-    """(B, 3) m and (B, 4): of every body."""
-    position, wxyz = forward_kinematics(
-        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
-    )
-    return position[0], wxyz[0]
-
-
-def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
-    return float(low[axis]), float(high[axis])
-
-
-_EVERY = 4  # frames between those of which the box around a motion is made
+_EVERY = 4  # frames between those that a camera has in sight
 _ABOVE_GROUND = 0.002  # m; a shadow would flicker in the ground's own plane
 _LONG, _WIDE = 0.75, 0.62  # length and width of the shadow, in the robot's
 _SPREADS = 0.5  # a shadow is larger by that share of its height above the ground, per m
@@ -264,20 +213,23 @@ class SolidRobot(Drawing):
         self._nodes: RobotNodes | None = None
         # what a camera looks at; None: there is no robot
         self.camera_target: CameraTarget | None = None
+        self.robot_parts: tuple[Part, ...] = ()  # that can be pointed at
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         robot, frames = picture.robot, picture.solid
         if robot is None:
             self._nodes = self.camera_target = None
+            self.robot_parts = ()
             self._shelf.show_only(())
             return ()
         nodes = self._nodes = self._shelf.take(robot, fine=picture.fine)
         self._shelf.show_only((nodes,))
+        self.robot_parts = parts_of(robot, nodes.bodies)
         if frames is None:
-            self.camera_target = CameraTarget(nodes.base, *around_default(robot))
+            self.camera_target = CameraTarget(nodes.base, outermost(around_default(robot)))
             return [nodes.still()]
-        box = around(robot, frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY])
-        self.camera_target = CameraTarget(nodes.base, *box)
+        swept = around(robot, frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY])
+        self.camera_target = CameraTarget(nodes.base, outermost(swept))
         return [AnimationChannel(frames.time, tuple(nodes.track(frames)))]
 
     def show(self, *, visible: bool) -> None:
@@ -300,10 +252,9 @@ class ContactShadow(Drawing):
                 "/below", gltf.soft_disc(), cast_shadow=False, receive_shadow=False
             )
         below = tops_under(picture.blocks, frames.com, frames.time, picture.ground)
-        low, high = around_default(robot)
-        half = (high - low)[:2] / 2 * [_LONG, _WIDE] * 2
+        across = np.ptp(around_default(robot)[..., :2], axis=(0, 1, 2)) * [_LONG, _WIDE]
         larger = 1 + _SPREADS * np.maximum(frames.com[:, 2] - below - robot.com[2], 0.0)
-        size = np.column_stack([larger * half[0], larger * half[1], np.ones(len(larger))])
+        size = np.column_stack([larger * across[0], larger * across[1], np.ones(len(larger))])
         position = np.column_stack([frames.com[:, :2], below + _ABOVE_GROUND])
         track = Track((self._disc.name,), position, frames.yaw_wxyz, size)
         return [AnimationChannel(frames.time, (track,))]

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
+import numpy as np
 import viser
 
-from app.motion.clip import AnimationChannel, Clip, Track
+from app.motion.clip import AnimationChannel, CameraTarget, Clip, Track
 from app.picture.blocks import Blocks
 from app.picture.drawing import Drawing, Overlay
 from app.picture.lighting import Lighting
@@ -81,9 +83,17 @@ class Scene:
     def _clip(self) -> Clip:
         channels = _joined(channel for part in self._channels.values() for channel in part)
         end = max((float(channel.time[-1]) for channel in channels), default=0.0)
-        planned = self._drawn.planned
-        request = {} if planned is None else planned.plan.jump.as_dict()
-        return Clip(channels, end, request, self._robot.camera_target)
+        parts = tuple(part.plain for part in self._robot.robot_parts)
+        return Clip(channels, end, camera_target=self._camera_target(), parts=parts)
+
+    def _camera_target(self) -> CameraTarget | None:
+        """Of the robot that is shown, and of those that stand beside it."""
+        target = self._robot.camera_target
+        ways = [ghost.beside for ghost in self._drawn.ghosts]
+        if target is None or not any(ways) or "ghost" not in self._drawn.layers:
+            return target
+        places = [target.points + np.array([0.0, way, 0.0]) for way in (0.0, *ways)]
+        return replace(target, points=np.concatenate(places))
 
 
 def _joined(channels: Iterable[AnimationChannel]) -> tuple[AnimationChannel, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,20 +19,16 @@ from app.plots.time_series import TimeSeries
 from llsrbm.mechanics import Array
 from llsrbm.motion.rollout import Rollout
 
-LIMIT: Rgb = colours.FOOT
+LIMIT: Rgb = colours.REFERENCE
 
 SOLID: tuple[float, ...] = ()
 DASHED = (4.0, 4.0)  # Pixels drawn and left out, of limits and of second curves
 
-_COMPONENT_DASHES: tuple[tuple[float, ...], ...] = (
-    SOLID,
-    (7.0, 3.0),
-    (2.0, 2.0),
-    (9.0, 3.0, 2.0, 3.0),
-    (14.0, 4.0),
-    (5.0, 2.0, 2.0, 2.0, 2.0, 2.0),
-)
-"""Of components that share a chart, in turn; their colour is the motion's."""
+# Lines by the motion: solid is what is drawn solid in the picture.
+_PLAN_DASH = (8.0, 3.0)  # of a plan that is a ghost beside its simulation
+_PINNED_DASHES = ((2.0, 2.5), (9.0, 3.0, 2.0, 3.0), (6.0, 2.0, 2.0, 2.0, 2.0, 2.0))
+
+_PALER = 0.45  # of the way to white, of components that have no colour of their own any more
 
 
 Look = tuple[str, Rgb, tuple[float, ...]]  # name, colour, dashes
@@ -47,6 +43,7 @@ class Layer:
     motion: PlannedMotion | ForeignMotion  # a plan, or a motion from a file
     rollout: Rollout | None  # plotted instead of the plan, if there is one
     pinned: bool  # it is there for comparison: marks and time axis are the others'
+    dash: tuple[float, ...] = SOLID  # of its lines
 
     @cached_property
     def series(self) -> TimeSeries:
@@ -64,15 +61,25 @@ class Layer:
             self.motion is other.motion
             and self.rollout is other.rollout
             and (self.title, self.colour, self.pinned) == (other.title, other.colour, other.pinned)
+            and self.dash == other.dash
         )
 
 
 def shown_layers(planned: PlannedMotion, rollout: Rollout | None) -> tuple[Layer, ...]:
     """The design that is shown: its plan and, if there is one, its simulation."""
-    plan = Layer("plan", colours.PLANNED, planned, None, pinned=False)
+    dash = SOLID if rollout is None else _PLAN_DASH
+    plan = Layer("plan", colours.PLANNED, planned, None, pinned=False, dash=dash)
     if rollout is None:
         return (plan,)
     return (plan, Layer("simulation", colours.SIMULATED, planned, rollout, pinned=False))
+
+
+def pinned_layer(
+    title: str, colour: Rgb, motion: PlannedMotion | ForeignMotion, rollout: Rollout | None
+) -> Layer:
+    """A pinned design; `colour` is one of `colours.PINNED`, each of which has its own dashes."""
+    dash = _PINNED_DASHES[colours.PINNED.index(colour)]
+    return Layer(title, colour, motion, rollout, pinned=True, dash=dash)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,8 +89,8 @@ class Line:
     title: str  # the layer's, or that of a limit or mark
     component: str  # of several that share the chart; ""
     unit: str  # of the values
-    colour: Rgb  # of the line
-    dash: tuple[float, ...]  # pixels drawn and left out, in turn
+    colour: Rgb  # of the component, if several share the chart, else of the motion
+    dash: tuple[float, ...]  # of the motion: pixels drawn and left out, in turn
     time: Array  # (K,) s, increasing
     values: Array  # (K,)
 
@@ -102,6 +109,7 @@ class Line:
 class Chart:
     """One quantity, or one component of it, of all layers that have it."""
 
+    source: ChartChoice  # that asks for this one chart
     title: str  # quantity and component
     unit: str  # of its axis
     lines: tuple[Line, ...]  # drawn in this order
@@ -131,8 +139,10 @@ def everything() -> PlotChoice:
 
 def name_of(chosen: ChartChoice) -> str:
     """A chart in menus."""
-    parts = [SIGNALS[chosen.signal].title, *chosen.components, *([EACH] if chosen.each else [])]
-    return ", ".join(parts)
+    return " · ".join(
+        ", ".join([SIGNALS[part.signal].title, *part.components, *([EACH] if part.each else [])])
+        for part in chosen.parts
+    )
 
 
 def components_offered(key: str, layers: Sequence[Layer]) -> tuple[str, ...]:
@@ -150,6 +160,37 @@ _Sampled = Sequence[tuple[Layer, Samples]]
 
 
 def _charts(chosen: ChartChoice, layers: Sequence[Layer]) -> Iterator[Chart]:
+    if not chosen.more:
+        yield from _charts_of_signal(chosen, layers)
+        return
+    parts = [chart for part in chosen.parts for chart in _charts_of_signal(part, layers)]
+    if parts:
+        yield _together(chosen, parts)
+
+
+def _together(chosen: ChartChoice, parts: Sequence[Chart]) -> Chart:
+    """One chart of several signals, each of which is a component."""
+    found: dict[str, Rgb] = {}
+    lines: list[Line] = []
+    for part in parts:
+        for line in part.lines:
+            if line.colour == LIMIT:
+                lines.append(line)
+                continue
+            name = f"{part.title} {line.component}".rstrip()
+            colour = found.setdefault(name, component_colour(len(found)))
+            lines.append(replace(line, component=name, colour=colour))
+    return Chart(
+        chosen,
+        " · ".join(dict.fromkeys(part.title for part in parts)),
+        " or ".join(dict.fromkeys(part.unit for part in parts if part.unit)),
+        tuple(lines),
+        max(part.least for part in parts),
+        max(part.most for part in parts),
+    )
+
+
+def _charts_of_signal(chosen: ChartChoice, layers: Sequence[Layer]) -> Iterator[Chart]:
     signal = SIGNALS[chosen.signal]
     sampled = [
         (layer, samples) for layer in layers if (samples := signal.of(layer.series)) is not None
@@ -162,13 +203,14 @@ def _charts(chosen: ChartChoice, layers: Sequence[Layer]) -> Iterator[Chart]:
     )
     if chosen.each:
         for name in names:
-            yield _chart(signal, sampled, (name,))
+            yield _chart(ChartChoice(signal.key, (name,)), sampled, (name,))
     elif names:
-        yield _chart(signal, sampled, tuple(names), ", ".join(chosen.components))
+        yield _chart(chosen, sampled, tuple(names), ", ".join(chosen.components))
 
 
-def _chart(signal: Signal, sampled: _Sampled, names: tuple[str, ...], of: str = "") -> Chart:
+def _chart(source: ChartChoice, sampled: _Sampled, names: tuple[str, ...], of: str = "") -> Chart:
     """One chart of the components with these names; `of` is the name of their set."""
+    signal = SIGNALS[source.signal]
     only = names[0] if len(names) == 1 else of
     lines: list[Line] = []
     for layer, samples in sampled:
@@ -179,7 +221,7 @@ def _chart(signal: Signal, sampled: _Sampled, names: tuple[str, ...], of: str = 
     level = _level(signal, sampled, lines)
     units = dict.fromkeys(line.unit for line in lines if line.unit)
     title = f"{signal.title}, {only}" if only and only != ALL_JOINTS else signal.title
-    return Chart(title, " or ".join(units), (*level, *lines), signal.least, signal.most)
+    return Chart(source, title, " or ".join(units), (*level, *lines), signal.least, signal.most)
 
 
 def _lines(
@@ -190,18 +232,24 @@ def _lines(
     dash: tuple[float, ...] | None = None,
 ) -> Iterator[Line]:
     columns = {component.name: k for k, component in enumerate(samples.components)}
-    for index, name in enumerate(names):
+    for name in names:
         if name not in columns:
             continue  # a robot with other joints
         yield Line(
             title,
             name if len(names) > 1 else "",
             samples.components[columns[name]].unit,
-            layer.colour,
-            _COMPONENT_DASHES[index % len(_COMPONENT_DASHES)] if dash is None else dash,
+            component_colour(columns[name]) if len(names) > 1 else layer.colour,
+            layer.dash if dash is None else dash,
             samples.time,
             samples.values[:, columns[name]],
         )
+
+
+def component_colour(index: int) -> Rgb:
+    """Of a component that shares a chart, by its place among all of its signal."""
+    turn, place = divmod(index, len(colours.COMPONENTS))
+    return colours.paler(colours.COMPONENTS[place], _PALER * (turn % 2))
 
 
 def _level(signal: Signal, sampled: _Sampled, lines: Sequence[Line]) -> list[Line]:

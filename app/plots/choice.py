@@ -12,6 +12,7 @@ EACH = "a chart each"
 OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
 OWN = "Own choice"  # Name of charts that are no preset
 
+MOST_SIGNALS = 4  # in one chart
 MOST_CHARTS = 12  # Choices of charts in one tab; each may be as many charts as a robot has joints
 
 
@@ -23,6 +24,12 @@ class ChartChoice:
     # names or tags of its components that are drawn, such as "z", "LF", "KFE"; none: all of them
     components: tuple[str, ...] = ()
     each: bool = False  # each component has a chart of its own
+    more: tuple[ChartChoice, ...] = ()  # signals that are drawn in the same chart
+
+    @property
+    def parts(self) -> tuple[ChartChoice, ...]:
+        """Every signal of the chart."""
+        return (replace(self, more=()), *self.more)
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,15 @@ class PlotChoice:
         if self.offered in self.charts or len(self.charts) >= MOST_CHARTS:
             return self
         return replace(self, charts=(*self.charts, self.offered))
+
+    def with_joined(self, dropped: ChartChoice, onto: ChartChoice) -> PlotChoice:
+        """With a chart's signals drawn in another one, and no chart of their own."""
+        parts = tuple(dict.fromkeys((*onto.parts, *dropped.parts)))
+        if dropped == onto or onto not in self.charts or len(parts) > MOST_SIGNALS:
+            return self
+        joined = replace(parts[0], more=parts[1:])
+        charts = (joined if chart == onto else chart for chart in self.charts if chart != dropped)
+        return replace(self, charts=tuple(dict.fromkeys(charts)))
 
     def without(self, index: int) -> PlotChoice:
         """Without one chart."""
@@ -97,6 +113,7 @@ PRESETS: Mapping[str, PlotChoice] = {
     OVERVIEW: _all(
         ("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), ("vertical_force", "")
     ),
+    "Yaw and force": _all(("base_angle", "yaw"), ("vertical_force", "")),
     "Base angles": _each("base_angle"),
     "Base rates": _each("angular_velocity"),
     "CoM position": _each("com"),
@@ -115,3 +132,4 @@ PRESETS: Mapping[str, PlotChoice] = {
 """Choices of charts that have a name."""
 
 DEFAULT = PRESETS[OVERVIEW]
+FEWER = PRESETS["Yaw and force"]

@@ -52,7 +52,9 @@ class PlotControls:
         self._component = gui.add_dropdown(
             "Component", (ALL,), hint="Axes, feet or joints: together, or a chart each"
         )
-        self._add = gui.add_button("Add chart")
+        self.add = gui.add_button(
+            "Add chart", hint="Or drag this button, or a chart's title, onto a chart"
+        )
         self._chart = gui.add_dropdown("Chart", (_NONE,), hint="To be removed")
         self._remove = gui.add_button("Remove chart")
         # saves the lines that are shown
@@ -69,7 +71,7 @@ class PlotControls:
             (self._component, self._component_chosen),
         ):
             handle.on_update(self._reported(change))
-        self._add.on_click(self._reported(PlotChoice.with_offered))
+        self.add.on_click(self._reported(PlotChoice.with_offered))
         self._remove.on_click(self._reported(self._removed))
 
     def show(self, choice: PlotChoice, layers: Sequence[Layer]) -> None:
@@ -88,7 +90,7 @@ class PlotControls:
         names = [name_of(chart) for chart in choice.charts]
         shown = self._chart.value if self._chart.value in names else None
         _offer(self._chart, names or [_NONE], shown or (names or [_NONE])[-1])
-        self._add.disabled = offered in choice.charts or len(names) >= MOST_CHARTS
+        self.add.disabled = offered in choice.charts or len(names) >= MOST_CHARTS
         self._remove.disabled = not names
         self.download.disabled = not (names and layers)
 

@@ -43,14 +43,18 @@ class UplotChart:
         if self._handle is None:
             self._handle = self._add(chart.heading, _series(drawn, chart), scales, data, pixels)
         else:
-            # Sent as one, or the browser would see more lines than data.
+            # A browser may draw between any two of these: it must never see more lines than data.
+            grows = len(looks) > len(self._looks)
+            if grows:
+                self._handle.data = data
             if looks != self._looks:
                 self._handle.series = _series(drawn, chart)
             if scales != self._scales:
                 self._handle.scales = scales
             self._handle.title = chart.heading
             self._handle.height = pixels
-            self._handle.data = data
+            if not grows:
+                self._handle.data = data
             self._handle.visible = True
         self._looks, self._scales = looks, scales
 
@@ -127,17 +131,19 @@ def _stroked(line: Line, scale: str, width: float) -> uplot.Series:
 
 
 def legend(drawn: Figure) -> str:
-    """Everything that is drawn, each thing once: motions by colour, components by dashes."""
+    """Everything that is drawn, each thing once: motions by their dashes, components by colour.
+
+    Where a chart has one component, a line has its motion's colour too.
+    """
     lines = [line for chart in drawn.charts for line in chart.lines]
-    # A motion has one colour, whatever its components' dashes are.
-    motions: dict[tuple[object, ...], Line] = {}
-    for line in sorted(lines, key=lambda line: line.dash == DASHED):
-        motions.setdefault((line.title, line.colour), line)
+    motions: dict[str, Line] = {}
+    for line in sorted(lines, key=lambda line: (line.dash == DASHED, bool(line.component))):
+        motions.setdefault(line.title, line)
     keys = [
-        *(_key_of(each.title, each, colours.css(each.colour)) for each in motions.values()),
+        *(_key_of_motion(each) for each in motions.values()),
         *(_key_of_mark(mark) for mark in {mark.look: mark for mark in drawn.marks}.values()),
         _key("flight as planned", f'<rect width="18" height="12" fill="{_SHADE}"/>'),
-        *(_key_of(name, line, "currentColor") for name, line in _components(lines).items()),
+        *(_stroke(name, colours.css(rgb)) for name, rgb in _components(lines).items()),
     ]
     return f'<div style="{_STYLE}">{"".join(keys)}<span>time in s</span></div>'
 
@@ -147,24 +153,24 @@ def note(text: str) -> str:
     return f'<div style="{_STYLE}">{escape(text)}</div>'
 
 
-def _components(lines: Sequence[Line]) -> dict[str, Line]:
-    """Name -> line, of components that share a chart and have the same dashes in all charts."""
-    found: dict[str, Line] = {}
+def _components(lines: Sequence[Line]) -> dict[str, colours.Rgb]:
+    """Name -> colour, of components that share a chart and have the same colour in all charts."""
+    found: dict[str, colours.Rgb] = {}
     for line in lines:
-        if line.component and found.setdefault(line.component, line).dash != line.dash:
+        if line.component and found.setdefault(line.component, line.colour) != line.colour:
             return {}
     return found
 
 
-def _key_of(title: str, line: Line, colour: str) -> str:
-    dashes = ",".join(f"{length:g}" for length in line.dash)
-    solid = not line.dash or (line.component and colour != "currentColor")
-    return _key(
-        title,
-        f'<path d="M0 6H28" stroke="{colour}" stroke-width="2"'
-        f'{"" if solid else f""" stroke-dasharray="{dashes}" """}/>',
-        28,
-    )
+def _key_of_motion(line: Line) -> str:
+    colour = "currentColor" if line.component else colours.css(line.colour)
+    return _stroke(line.title, colour, line.dash)
+
+
+def _stroke(title: str, colour: str, dash: tuple[float, ...] = ()) -> str:
+    dashes = ",".join(f"{length:g}" for length in dash)
+    style = f' stroke-dasharray="{dashes}"' if dash else ""
+    return _key(title, f'<path d="M0 6H28" stroke="{colour}" stroke-width="2"{style}/>', 28)
 
 
 def _key_of_mark(mark: Line) -> str:

@@ -84,7 +84,7 @@ def _marks(shown: Sequence[Layer], flight: int, planned: float, choice: PlotChoi
             if each.touchdown is not None:
                 marks.append(("touchdown", layer.colour, SOLID, each.touchdown))
             if choice.landing and each.detected is not None:
-                marks.append(("detected", colours.FORCE, DASHED, each.detected))
+                marks.append(("detected", layer.colour, DASHED, each.detected))
     return marks
 
 

@@ -13,12 +13,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import viser
 
-from app.plots.charts import Layer, csv_of
+from app.link import ChartDropped
+from app.plots.charts import Layer, charts, csv_of
 from app.plots.choice import PlotChoice
 from app.plots.controls import PlotControls
 from app.plots.drawing import UplotChart, legend, note
@@ -31,7 +33,7 @@ _STATIC = Path(__file__).parents[1] / "static"
 _SCRIPTS = ("plot_cursor.js", "plot_area.js")
 
 _MOST_DRAWN = 24  # charts; a browser draws each anew for every plan
-_PIXELS = ((2, 190), (4, 105))  # up to so many charts -> height of each
+_PIXELS = ((2, 130), (4, 105))  # up to so many charts -> height of each
 _PIXELS_OF_MANY = 95
 
 _TITLE = "Plots"
@@ -56,7 +58,8 @@ class Plots:
         self._panel.float(**_FLOATING)
         for script in _SCRIPTS:
             run_javascript(client, (_STATIC / script).read_text(encoding="utf-8"))
-        watched = (_TITLE, uuid_of(self._controls.open), uuid_of(self._controls.seen))
+        controls = (self._controls.open, self._controls.seen, self._controls.add)
+        watched = (_TITLE, *map(uuid_of, controls))
         run_javascript(client, f"window.llsrbmPlots?.watch(...{json.dumps(watched)})")
         self._charts: list[UplotChart] = []
         self._layers: tuple[Layer, ...] = ()
@@ -77,6 +80,20 @@ class Plots:
             self._show_open(choice.open)
             if not (same_motions and before is not None and _as_drawn(before) == _as_drawn(choice)):
                 self._show(choice)
+
+    def dropped(self, event: ChartDropped) -> PlotChoice | None:
+        """The choice with a chart's signals in the chart that they were dropped onto, by titles."""
+        choice = self._choice
+        if choice is None:
+            return None
+        shown = {chart.heading: chart.source for chart in charts(choice, self._layers)}
+        source = choice.offered if event.chart is None else shown.get(event.chart)
+        onto = shown.get(event.onto)
+        if source is None or onto is None:
+            return None
+        if onto not in choice.charts or (event.chart and source not in choice.charts):
+            choice = replace(choice, charts=tuple(shown.values()))  # a chart each, one by one
+        return choice.with_joined(source, onto)
 
     def _known(self, layers: Sequence[Layer]) -> tuple[Layer, ...]:
         """The layers of the last drawing in place of equal ones: their signals are known."""

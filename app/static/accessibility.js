@@ -1,5 +1,5 @@
 // Names for what viser leaves nameless, so that a screen reader can say what a control is: sliders
-// and the numbers beside them, icons, and the button that folds the panel. Follows the page as viser
+// and the numbers beside them, icons, and the buttons that fold the panel and what is in it. Follows the page as viser
 // changes it, a few times a second at most.
 (() => {
   const SETTLE = 250; // ms without a change until names are given
@@ -7,6 +7,8 @@
   const NUMBERS = "input.mantine-NumberInput-input, input.mantine-TextInput-input";
   const FOCUSABLE = "a, button, input, select, [tabindex]:not([tabindex='-1'])";
   const NAMED = "aria-label";
+
+  const FOLDED = ".mantine-Paper-root > .mantine-Paper-root:first-child"; // the title of a folder
 
   let later = null;
 
@@ -45,9 +47,39 @@
     }
   }
 
+  // A button with an icon in place of its name shows the name as other controls show their hints.
+  function titleIcons() {
+    for (const button of document.querySelectorAll(".mantine-Button-root:has(svg)")) {
+      const text = button.textContent.trim();
+      if (button.title !== text) button.title = text;
+    }
+  }
+
+  // viser's folders can be clicked; these can be reached and pressed with the keys, too.
+  function openFolders() {
+    for (const title of document.querySelectorAll(FOLDED)) {
+      const arrow = title.querySelector("svg.tabler-icon");
+      if (!arrow) continue;
+      const open = String(arrow.classList.contains("tabler-icon-chevron-up"));
+      if (title.getAttribute("aria-expanded") === open) continue;
+      Object.assign(title, { role: "button", tabIndex: 0, ariaExpanded: open });
+    }
+  }
+  document.addEventListener("click", ({ target }) => {
+    const title = target instanceof Element ? target.closest(FOLDED) : null;
+    if (title?.ariaExpanded) title.ariaExpanded = String(title.ariaExpanded !== "true");
+  });
+  document.addEventListener("keydown", (event) => {
+    const { target, key } = event;
+    if (!(target instanceof Element) || !target.matches(FOLDED)) return;
+    if (key !== "Enter" && key !== " ") return;
+    event.preventDefault();
+    target.click();
+  });
+
   // What scrolls and holds nothing to be focused can be scrolled with the keys, too.
   function reachScrolling() {
-    for (const area of document.querySelectorAll("[data-scrollarea-viewport]")) {
+    for (const area of document.querySelectorAll("[data-scrollarea-viewport], .llsrbm-status > *")) {
       const scrolls = area.scrollHeight > area.clientHeight + 1;
       if (scrolls && !area.querySelector(FOCUSABLE)) area.tabIndex = 0;
       else if (area.hasAttribute("tabindex")) area.removeAttribute("tabindex");
@@ -67,8 +99,11 @@
     nameParts();
     reachScrolling();
     nameSliders();
+    window.llsrbm.tint.draw();
     nameFields();
     nameIcons();
+    titleIcons();
+    openFolders();
   }
 
   document.addEventListener("DOMContentLoaded", () => {

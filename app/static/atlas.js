@@ -171,7 +171,7 @@
   // Of the present design.
   const ring = (name) => shape("g", { class: name },
     shape("circle", { r: 5.5, fill: "none", stroke: "#fff", "stroke-width": 4.5 }),
-    shape("circle", { r: 5.5, fill: "none", stroke: "#d6106c", "stroke-width": 2.4 }));
+    shape("circle", { r: 5.5, fill: "none", stroke: "#28a05a", "stroke-width": 2.4 }));
 
   const key = (shapes, words) => element("span", { class: "key" },
     shape("svg", { viewBox: "0 0 18 12", "aria-hidden": "true" }, ...shapes), words);
@@ -222,7 +222,7 @@
 
   function look() {
     const target = document.querySelector(PLACE);
-    if (!target) return void (drawn = null);
+    if (!target?.getClientRects().length) return void (drawn = null); // or its folder is closed
     if (!version && performance.now() - requested > REQUEST_EVERY) {
       requested = performance.now();
       page.send({ kind: "atlas-seen" });

@@ -79,14 +79,12 @@
     return { up: 1 - 2 * MARGIN, down: 1 - under / half - 2 * MARGIN, side: side - 2 * MARGIN };
   }
 
-  // Where a camera that looks from `direction` sees all of the box, as large as it can be.
-  function fit({ low, high }, direction) {
+  // Where a camera that looks from `direction` sees all of the points, as large as it can be.
+  function fit({ points }, direction) {
     const half = Math.tan((viewer().camera.fov * Math.PI) / 360);
     const room = free(), ahead = unit(direction.map((value) => -value));
     const right = unit(cross(ahead, [0, 0, 1])), up = cross(right, ahead);
-    const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
-      [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? high : low)[axis]));
-    const along = (axis) => corners.map((corner) => dot(corner, axis));
+    const along = (axis) => points.map((point) => dot(point, axis));
     const x = along(right), y = along(up), z = along(ahead);
     // Each side of the view lets the camera's place be only so far on: c - slope d >= p - slope z.
     const bound = (values, sign, slope) =>
@@ -102,17 +100,16 @@
     return { place, target: plus(place, ahead, middle - depth) };
   }
 
-  // Whether the whole box is in the free part of the picture.
-  function inSight({ low, high }) {
+  // Whether all of the points are in the free part of the picture.
+  function inSight({ points }) {
     const { camera, cameraControl } = viewer();
     const [place, target] = [cameraControl.getPosition(), cameraControl.getTarget()]
       .map((vector) => rooted(numbers(vector), true));
     const ahead = unit(plus(target, place, -1));
     const right = unit(cross(ahead, [0, 0, 1])), up = cross(right, ahead);
     const half = Math.tan((camera.fov * Math.PI) / 360), room = free();
-    return [0, 1, 2, 3, 4, 5, 6, 7].every((bits) => {
-      const corner = [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? high : low)[axis]);
-      const from = plus(corner, place, -1), far = dot(from, ahead) * half;
+    return points.every((point) => {
+      const from = plus(point, place, -1), far = dot(from, ahead) * half;
       const [x, y] = [dot(from, right) / far, dot(from, up) / far];
       return far > 0 && Math.abs(x) < room.side + MARGIN && y < room.up + MARGIN
         && y > -room.down - MARGIN;
@@ -203,7 +200,7 @@
   }
 
   function attend() {
-    if (!sight || missing().length) return;
+    if (!sight || window.llsrbm.parts?.pulls || missing().length) return;
     if (listensTo !== viewer().cameraControl) {
       listensTo = viewer().cameraControl;
       listensTo.addEventListener("controlstart", () => (moved = true));
@@ -236,7 +233,7 @@
   let size = "";
   function stay() {
     const canvas = viewer()?.canvas;
-    if (!canvas || !sight) return;
+    if (!canvas || !sight || window.llsrbm.parts?.pulls) return; // what a hand holds stays there
     const box = canvas.getBoundingClientRect();
     Object.assign(bar.style, {
       display: "flex", left: `${box.left + 10}px`, top: `${box.top + 10}px`,

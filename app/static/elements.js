@@ -1,6 +1,7 @@
 // Helpers of the other scripts: elements, and keys.
 (() => {
   const llsrbm = (window.llsrbm ??= { software: false });
+  llsrbm.shortcuts = true;
   const SVG = Object.assign(document.createElement("template"), { innerHTML: "<svg></svg>" })
     .content.firstChild.namespaceURI;
 
@@ -18,6 +19,13 @@
   llsrbm.shape = (kind, attributes = {}, ...children) =>
     fill(document.createElementNS(SVG, kind), attributes, children);
 
+  // Text that changes many times a second: a text that is replaced would have the browser style the
+  // whole page anew, for its rules with :has().
+  llsrbm.write = (place, text) => {
+    if (place.firstChild?.nodeType !== Node.TEXT_NODE) place.replaceChildren(" ");
+    if (place.firstChild.data !== text) place.firstChild.data = text;
+  };
+
   // A style sheet, and elements of the page's own, as soon as there is a page.
   llsrbm.addToPage = (style, ...elements) =>
     document.addEventListener("DOMContentLoaded", () => {
@@ -25,24 +33,19 @@
       document.body.append(...elements);
     });
 
-  // ---- keys: they belong to the control that has the keyboard, if it uses them. A button that was
-  // clicked with the mouse keeps the focus, but its keys are the page's again.
+  // ---- keys: they belong to the control that has the focus, if it uses them; the page's own can be
+  // switched off (tab View).
 
   const TYPED_INTO = "input, textarea, select, [contenteditable], [role=slider], " +
     "[role=textbox], [role=application]";
   const CHOSEN_BY_ARROWS = "[role=tab], [role=option], [role=menuitem], [role=radio]";
   const PRESSED = `button, a[href], summary, [role=button], ${CHOSEN_BY_ARROWS}`;
 
-  let clicked = null; // has the focus since it was clicked
-  window.addEventListener("pointerup",
-    () => setTimeout(() => (clicked = document.activeElement)), true);
-  window.addEventListener("focusout", () => (clicked = null), true);
-
   function isFree({ key, target, ctrlKey, altKey, metaKey }) {
-    if (ctrlKey || altKey || metaKey) return false;
+    if (!llsrbm.shortcuts || ctrlKey || altKey || metaKey) return false;
     if (!(target instanceof Element)) return true;
     if (target.closest(TYPED_INTO)) return false;
-    if (target === clicked || (key !== " " && key.length === 1)) return true;
+    if (key !== " " && key.length === 1) return true;
     return !target.closest(key === " " ? PRESSED : CHOSEN_BY_ARROWS);
   }
 

@@ -24,10 +24,10 @@
   const veil = element("div", {
     id: "llsrbm-drop",
     style: "position:fixed;inset:0;z-index:10000;display:none;pointer-events:none;" +
-      "align-items:center;justify-content:center;background:rgba(44,123,229,0.14);" +
-      "outline:3px dashed rgb(44,123,229);outline-offset:-14px",
+      "align-items:center;justify-content:center;background:rgba(62,78,99,0.14);" +
+      "outline:3px dashed rgb(62,78,99);outline-offset:-14px",
   }, element("div", {
-    style: "font:600 17px sans-serif;color:#fff;background:rgb(44,123,229);" +
+    style: "font:600 17px sans-serif;color:#fff;background:rgb(62,78,99);" +
       "padding:0.7em 1.1em;border-radius:0.4em",
   }, "Drop a design, plan, simulation or motion file to open it"));
   document.body.append(veil);

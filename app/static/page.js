@@ -3,7 +3,7 @@
 // First of all, it checks every field of viser's that the scripts lean on.
 (() => {
   const CHECKED_EVERY = 100, READY_WITHIN = 5000; // ms; viser fills some fields when it has drawn first
-  const TAB = "llsrbm.tab", DESIGN = "llsrbm.design"; // names in the browser's storage
+  const TAB = "llsrbm.tab", DESIGN = "llsrbm.design", PREFERENCES = "llsrbm.preferences"; // names in the browser's storage
   const SHARED = "#design=";
 
   const llsrbm = (window.llsrbm ??= { software: false });
@@ -30,6 +30,9 @@
     }
   }
 
+  // This tab's own, else what another tab kept last.
+  const storedHere = (key) => stored("sessionStorage", key) ?? stored("localStorage", key);
+
   function store(kind, key, value) {
     try {
       if (value === null) window[kind].removeItem(key);
@@ -38,6 +41,15 @@
       hidden[kind + key] = value;
     }
   }
+
+  // For this tab, and for tabs that are opened later.
+  function storeHere(key, value) {
+    store("sessionStorage", key, value);
+    store("localStorage", key, value);
+  }
+
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  system.addEventListener("change", () => send({ kind: "scheme", dark: system.matches }));
 
   // By which the server knows this tab again: after a reload, and after the tab crashed. A copy of
   // the tab gets the name along with the storage, hears from the other that it is in use, and takes
@@ -96,7 +108,8 @@
     const { time = 0, playing = false } = llsrbm.player ?? {};
     send({
       kind: "ready", software: llsrbm.software, missing: missing(), tab, shared, time, playing,
-      kept: stored("sessionStorage", DESIGN) ?? stored("localStorage", DESIGN),
+      kept: storedHere(DESIGN), preferences: storedHere(PREFERENCES), dark: system.matches,
+      height: innerHeight,
     });
     shared = null;
   }
@@ -113,11 +126,8 @@
       };
       check();
     },
-    // This tab's own, and for tabs that are opened later.
-    keep(design) {
-      store("sessionStorage", DESIGN, design);
-      store("localStorage", DESIGN, design);
-    },
+    keep: (design) => storeHere(DESIGN, design),
+    prefer: (preferences) => storeHere(PREFERENCES, preferences),
     async share(design) {
       const address = link(design);
       let copied = true;

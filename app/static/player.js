@@ -17,6 +17,7 @@
   const llsrbm = (window.llsrbm ??= { software: false });
   const listeners = new Set();
   let clip = null, time = 0, playing = false, speed = 1, loop = true, held = 0;
+  let range = null; // [from, to] s that is played again and again; null: all
   let last = null, settleUntil = 0, requested = false;
   let reportedAt = -Infinity, reportLater = null;
   let picking = false;
@@ -118,10 +119,14 @@
     last = now;
     if (playing && clip) {
       const moved = Math.min(step, LARGEST_STEP) * speed;
-      if (time < clip.end) time = Math.min(time + moved, clip.end);
+      const [start, stop] = bounds();
+      if (time < stop) time = Math.min(time + moved, stop);
       else if (loop) {
         held += moved / speed;
-        if (held >= HOLD) time = held = 0;
+        if (stop < clip.end || held >= HOLD) {
+          time = start;
+          held = 0;
+        }
       } else {
         playing = false;
         report();
@@ -145,6 +150,12 @@
       llsrbm.skips = false;
       draw(FINEST);
     }
+  }
+
+  // From where to where it plays: the range, unless it was sought behind it.
+  function bounds() {
+    const [from, to] = loop && range && range[0] < clip.end ? range : [0, clip.end];
+    return [from, time > to ? clip.end : Math.min(to, clip.end)];
   }
 
   function spare(now) {
@@ -194,7 +205,8 @@
 
   function play() {
     if (!clip || playing) return;
-    if (time >= clip.end) time = 0;
+    const [start, stop] = bounds();
+    if (time >= stop) time = start;
     held = 0;
     playing = true;
     window.llsrbm.tour?.offer();
@@ -259,6 +271,7 @@
       notice(now);
       apply();
       window.llsrbm.camera?.show(header.sight);
+      window.llsrbm.parts?.forget();
       settle();
       followClicks();
       llsrbm.page.send({ kind: "clip", number });
@@ -282,12 +295,17 @@
       loop = value;
       changed();
     },
+    setRange(value) {
+      range = value;
+      changed();
+    },
     listen: (listener) => listeners.add(listener),
     get clip() { return clip; },
     get time() { return time; },
     get playing() { return playing; },
     get speed() { return speed; },
     get loop() { return loop; },
+    get range() { return range; },
     get frames() { return drawn; },
     get resolution() { return resolution; },
     get seen() { return seen; },

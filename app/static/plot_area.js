@@ -1,8 +1,9 @@
 // Keeps the area of the plots, a floating panel of viser's, below the picture: as wide as it, the
 // picture above it, charts side by side where there is room. Dragged to a side of the page the panel
 // is docked there by viser, and the picture has its height back.
-// window.llsrbmPlots.watch(title, open, seen) begins: the panel's title, and two checkboxes of the
-// server's: by `open` the area is opened, by `seen` the server learns whether it is.
+// window.llsrbmPlots.watch(title, open, seen, add) begins: the panel's title, and controls of the
+// server's: by `open` the area is opened, by `seen` the server learns whether it is; `add` is the
+// button that adds a chart, and can be dragged onto one.
 (() => {
   if (!window.llsrbmPlots || window.llsrbmPlots.watch) return;
 
@@ -20,6 +21,8 @@
     [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
     [${GRID}] { display: grid; align-items: start; padding-bottom: 4px;
       grid-template-columns: repeat(auto-fit, minmax(min(100%, 340px), 1fr)); }
+    [${GRID}]:has(> :nth-child(3):last-child) {
+      grid-template-columns: repeat(auto-fit, minmax(min(100%, max(340px, 40%)), 1fr)); }
     [${GRID}] > * { min-width: 0; }
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }
@@ -57,6 +60,7 @@
     }
     arrange(marker);
     place();
+    window.llsrbm.plotDrag.offer(document.getElementById(boxes?.add));
     const visible = Boolean(marker?.getClientRects().length);
     if (boxes && seen !== null && visible !== seen) send(boxes.seen, visible);
     if (visible || seen !== null) seen = visible;
@@ -87,9 +91,9 @@
 
   setInterval(look, LOOK_EVERY);
 
-  window.llsrbmPlots.watch = (label, open, shown) => {
+  window.llsrbmPlots.watch = (label, open, shown, add) => {
     title = label;
-    boxes = { open, seen: shown };
+    boxes = { open, seen: shown, add };
     seen = null;
     look();
     if (window.innerWidth < SMALLEST[0] || window.innerHeight < SMALLEST[1]) send(open, false);

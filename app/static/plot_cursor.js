@@ -27,14 +27,19 @@
   let pending = 0; // timer of the numbers that were put off
   let pointed = null; // the chart that the pointer is in
 
-  const { element, lacking } = window.llsrbm;
+  const { element, write, lacking } = window.llsrbm;
   document.head.append(element("style", {}, `
     .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 11.5px; position: relative;
       white-space: nowrap; overflow: hidden; line-height: 1.5; }
     .llsrbm-values { position: absolute; right: 0; top: 3px; padding: 0 8px 0 0.3em; font-weight: 400;
       font-variant-numeric: tabular-nums; background: var(--mantine-color-body); }
     .llsrbm-values span:not(:first-child) { margin-left: 0.7em; }
-    .uplot-container:hover .llsrbm-values { right: 30px; } /* viser: a button to expand the chart */
+    .uplot-container:is(:hover, :focus-within) .llsrbm-values { right: 104px; }
+    .llsrbm-copy { position: absolute; right: 30px; top: 2px; opacity: 0; } /* viser: expands */
+    .uplot-container:is(:hover, :focus-within) .llsrbm-copy { opacity: 1; }
+    .llsrbm-copy button { font-size: 10px; line-height: 15px; padding: 0 5px; margin-left: 3px;
+      cursor: pointer; color: inherit; background: var(--mantine-color-default);
+      border: 1px solid var(--mantine-color-default-border); border-radius: 3px; }
     .llsrbm-cursor { position: absolute; left: 0; top: 0; bottom: 0; width: 0; pointer-events: none;
       border-left: 1.5px solid var(--mantine-color-text); opacity: 0.75; z-index: 90;
       will-change: transform; }
@@ -63,6 +68,11 @@
     chart.over.append(cursor);
     const values = element("div", { class: "llsrbm-values" });
     chart.root.querySelector(".u-title")?.append(values);
+    const copy = element("div", { class: "llsrbm-copy" });
+    copy.append(...window.llsrbm.plotFigure.buttons(chart));
+    chart.root.querySelector(".u-title")?.append(copy);
+    window.llsrbm.plotZoom(chart);
+    window.llsrbm.plotDrag(chart);
     const lines = chart.series.flatMap((series, index) => {
       if (series.scale !== LINES) return [];
       const colour = typeof series.stroke === "function" ? series.stroke(chart, index) : series.stroke;
@@ -139,12 +149,12 @@
     return Number(text) === 0 ? text.replace("-", "") : text;
   }
 
-  function write(chart, { lines }) {
+  function writeValues(chart, { lines }) {
     const pointedAt = pointed && chart.cursor.idx != null ? chart.cursor.idx : null;
     const index = pointedAt ?? (shown == null ? -1 : chart.valToIdx(shown));
     const digits = digitsOf(chart);
     for (const line of lines) {
-      if (line.value) line.value.textContent = written(chart.data[line.index]?.[index], digits);
+      if (line.value) write(line.value, written(chart.data[line.index]?.[index], digits));
     }
   }
 
@@ -176,8 +186,10 @@
     box.style.transform = `translate(${Math.max(x, 0)}px, ${Math.max(y, 0)}px)`;
   }
 
+  // On every frame: a size is only asked for of charts that are new, for then the page is laid out.
   function dressed() {
-    return charts().filter((chart) => chart.root.isConnected && chart.over.clientWidth > 0)
+    return charts().filter((chart) => chart.root.isConnected
+      && (dressings.has(chart) || chart.over.clientWidth > 0))
       .map((chart) => [chart, dressings.get(chart) ?? dress(chart)]);
   }
 
@@ -185,7 +197,7 @@
     clearTimeout(pending);
     pending = 0;
     valuesAt = performance.now();
-    dressed().forEach(([chart, dressing]) => write(chart, dressing));
+    dressed().forEach(([chart, dressing]) => writeValues(chart, dressing));
   }
 
   function putOffValues() {

@@ -3,6 +3,31 @@
 Importing the features registers their handlers in `app.tab.acts`.
 """
 
-from app.tab import atlas, comparison, design, files, opening, planning, pushing, simulating
+from app.tab import (
+    asking,
+    atlas,
+    certificate,
+    comparison,
+    design,
+    files,
+    planning,
+    pushing,
+    refining,
+    simulating,
+)
+from app.tab.start import opening, preferences
 
-__all__ = ["atlas", "comparison", "design", "files", "opening", "planning", "pushing", "simulating"]
+__all__ = [
+    "asking",
+    "atlas",
+    "certificate",
+    "comparison",
+    "design",
+    "files",
+    "opening",
+    "planning",
+    "preferences",
+    "pushing",
+    "refining",
+    "simulating",
+]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from app.link import BesideChosen, PinPressed
 from app.panel.acts import Act
 from app.tab.acts import Step, on, reads
 from app.tab.design import choose_design
@@ -65,6 +66,21 @@ def unpin(state: TabState) -> TabState:
     return replace(state, pins=pins, pin_chosen=len(pins) - 1)
 
 
+@on(PinPressed)
+def press_pin(state: TabState, event: PinPressed) -> Step:
+    """Use the design of a pin, or let go of it."""
+    if event.index >= len(state.pins):
+        return state, ()
+    state = replace(state, pin_chosen=event.index)
+    return use_pinned(state) if event.act == "use" else (unpin(state), ())
+
+
+@on(BesideChosen)
+def stand_beside(state: TabState, event: BesideChosen) -> TabState:
+    """Have pinned robots stand beside the one that is shown, or where they are."""
+    return replace(state, beside=event.on)
+
+
 @on(Act.USE_PINNED, visible=_has_pins)
 def use_pinned(state: TabState) -> Step:
     """Make the design of the chosen pin the present one."""
@@ -97,11 +113,11 @@ def _compare(state: TabState, comparison: Comparison) -> Step:
     if state.plan is None or state.planning or not state.ready:
         return state, (Notify("Not compared", "There is no plan yet."),)
     if free_colour(state.pins) is None:
-        body = "No more can be pinned: unpin one in the tab Figures first."
+        body = "No more can be pinned: unpin one in the tab Results first."
         return state, (Notify("Not compared", body),)
-    plan, rollout, design = state.plan, state.rollout, state.design
-    shown = rollout and (plan.jump, plan.tuning, rollout.scenario)
-    if shown == (design.jump, design.tuning, design.scenario):
+    shown, rollout, design = state.shown, state.rollout, state.design
+    simulated = shown and rollout and (shown.request, shown.plan.tuning, rollout.scenario)
+    if simulated == (design.jump, design.tuning, design.scenario):
         return go_on(state, comparison)
     return simulate(state.with_work(compare=comparison))
 

@@ -46,7 +46,8 @@ class DragPlanning:
         if shown is None or not alike or not shown.solved:
             return moved, PlanJump(jump, tuning)
         # A plan from an old file has no solution.
-        near = shown if shown.solution is not None and _near(shown.jump, jump) else None
+        begins = _near(shown.jump, jump) or shown.is_nearest
+        near = shown if shown.solution is not None and begins else None
         return moved, PlanJump(jump, tuning, near=near, patient=False)
 
     def answered(self, task: PlanJump) -> DragPlanning:

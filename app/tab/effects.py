@@ -31,6 +31,7 @@ class Queue(Enum):
     ROBOT = "robot"
     OPEN = "open"
     SAVE = "save"
+    CHECK = "check"
 
 
 # ---- events that come of effects
@@ -98,6 +99,16 @@ class Effect:
     def do(self, outside: Outside) -> None:
         """Carry it out."""
         raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class ShowPart(Effect):
+    """Show what a part of the robot does, made by `app.plots.readings`."""
+
+    reading: dict[str, Any]
+
+    def do(self, outside: Outside) -> None:
+        outside.link.show_part(self.reading)
 
 
 @dataclass(frozen=True, eq=False)

@@ -167,6 +167,8 @@ def export(state: TabState) -> Step:
             )
             return state, (Notify("Not exported", body),)
     saved = ", ".join(choice.formats)
+    if state.check is not None and state.check.motion is motion and state.check.certificate:
+        motion = replace(motion, certificate=state.check.certificate.as_dict())
     task = protocol.ExportMotion(motion, choice.formats, bool(choice.also), choice.options)
     state, effects = submit_beside(state, Queue.SAVE, task)
     note = f"Exporting {saved} ..."

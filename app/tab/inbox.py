@@ -8,10 +8,9 @@ import time
 from enum import Enum
 from typing import Any
 
-from app.link import PageReady
+from app.link import PageReady, PushDragged
 from app.panel.acts import Act, Button
 from app.picture.landing_handle import LandingDragged
-from app.picture.push_handle import PushDragged
 
 
 class End(Enum):

@@ -1,10 +1,10 @@
-"""Planning: from the design to a plan that is shown, by way of its robot; and the nearest jump."""
+"""Planning: from the design, by way of its robot, to its plan that is shown, or the nearest one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 
-from app.motion.baked import bake_plan, presentable
+from app.motion.baked import presentable
 from app.panel import summaries
 from app.panel.acts import Act
 from app.panel.jump_types import not_supported, types_offered, with_type
@@ -13,7 +13,6 @@ from app.tab.acts import (
     Step,
     also,
     joined,
-    kept,
     on,
     outcome,
     played_first,
@@ -33,17 +32,20 @@ from app.tab.effects import (
     RobotMissing,
     Stop,
 )
-from app.tab.simulating import show_rollout, simulate, without_so_far
-from app.tab.state import Given, Shown, TabState
+from app.tab.feasible import learn
+from app.tab.refining import refine, wants_refining
+from app.tab.showing import show_plan, show_rollout, without_so_far
+from app.tab.simulating import simulate_again, simulate_next
+from app.tab.state import Given, TabState
 from app.workers import protocol
 from llsrbm.motion.plan import Plan
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
-from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
-from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import surroundings
+
+ANSWERS = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.INFEASIBLE)
+"""Status words that answer a request."""
 
 _UNDONE_AT_MOST = 100  # designs; a hundred bytes each
 
@@ -58,7 +60,7 @@ def plan_design(state: TabState) -> Step:
     if not state.ready:
         if state.work.awaited == protocol.Prepare(name):
             return state, ()
-        state = state.forgetting().with_work(nearest=None)
+        state = state.forgetting()
         state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
         return submit(state, protocol.Prepare(name))
     state = _of_a_supported_type(state)
@@ -67,18 +69,22 @@ def plan_design(state: TabState) -> Step:
     state = state.with_work(dragging=dragging)
     if task is None:
         return state, ()
-    return _submit_plan(state.with_work(nearest=None), task)
+    return _submit_plan(state, task, follows=not task.patient)
 
 
 def plan_or_keep(state: TabState) -> Step:
-    """Plan another design; where its plan is there already, have the browser keep it at once."""
+    """Plan another design; where its plan is there already, have the browser keep it at once, and
+    simulate it if that is done by itself.
+    """
     step = plan_design(state)
-    return step if step[1] else kept(step[0])
+    return step if step[1] else joined((Keep(state.design),), simulate_again(step[0]))
 
 
-def _submit_plan(state: TabState, task: protocol.PlanJump) -> Step:
-    following = not task.patient and isinstance(state.work.awaited, protocol.PlanJump)
-    if not following:
+def _submit_plan(state: TabState, task: protocol.PlanJump, *, follows: bool) -> Step:
+    """Have a plan made; if it `follows` an answer that is shown, that stays until it is there."""
+    if follows and state.status.verdict in ANSWERS:
+        state = replace(state, status=replace(state.status, busy=True))
+    else:
         state = state.with_status(Verdict.PLANNING, f"{state.work.instead}...", busy=True)
     return submit(state, task)
 
@@ -138,7 +144,7 @@ def rest(state: TabState, event: Rested) -> Step:
     dragging, task = state.work.dragging.rested(event.number)
     if task is None:
         return state, ()
-    return _submit_plan(state.with_work(dragging=dragging), task)
+    return _submit_plan(state.with_work(dragging=dragging), task, follows=True)
 
 
 @on(Act.CANCEL, visible=lambda state: state.status.busy)
@@ -162,19 +168,15 @@ def take_report(state: TabState, event: Reported) -> Step:
     if event.ticket <= work.dropped:
         return state, ()
     if event.ticket != work.newest:
-        # While a slider moves, a plan of an older request is worth showing.
-        return (
-            _show(state, report, event.ticket)
-            if isinstance(report, protocol.Planned)
-            else (state, ())
-        )
+        # While a slider moves, the answer to an older request is worth showing.
+        return _answer(state, report, event.ticket)
     task = work.awaited
     if task is None:
         return state, ()
     if isinstance(report, protocol.Partial):
         return outcome(state, report, task)
     before: tuple[Effect, ...] = ()
-    state = state.with_work(awaited=None)
+    state = learn(state.with_work(awaited=None), report, task)
     if isinstance(task, protocol.PlanJump):
         state, before = _wait_for_rest(state, task)
     return joined(before, outcome(state, report, task))
@@ -187,80 +189,56 @@ def _wait_for_rest(state: TabState, task: protocol.PlanJump) -> Step:
 
 
 @on(protocol.PlanJump)
-def take_plan_report(state: TabState, report: protocol.Report, task: protocol.PlanJump) -> Step:
-    """A plan is being made, or has been."""
+def take_plan_report(state: TabState, report: protocol.Report, _: protocol.PlanJump) -> Step:
+    """A plan is being made, or has been, or there is none."""
     match report:
         case protocol.Progress():
+            if state.status.verdict in ANSWERS:
+                return state, ()
             line = summaries.progress_line(report.text, report.iteration, report.residual)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case protocol.Planned(plan=plan):
-            return _take_plan(state, report, plan)
-        case protocol.Failed() if not task.patient:
-            # It rests before it is planned with patience; a hand may still be moving.
-            line = "No quick solution. Pause to search longer."
-            return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case protocol.Failed(message=message, plan=Plan() as plan):
-            return _search(state, message, plan, task)
+        case protocol.Refused(nearest=None):
+            return _refuse(state, report)
+        case protocol.Planned() | protocol.Refused():
+            return _take_plan(state, report)
     return _ended(state.forgetting(), report)
 
 
-def _take_plan(state: TabState, report: protocol.Planned, plan: Plan) -> Step:
-    step = _show(state, report, state.work.newest)
-    state, _ = step
-    if state.plan is not plan:
+def _take_plan(state: TabState, report: protocol.Planned | protocol.Refused) -> Step:
+    """The newest request has its plan, or the nearest one."""
+    step = _answer(state, report, state.work.newest)
+    state, effects = step
+    if state.work.shown != state.work.newest or state.work.dragging.rests:
         return step
-    if state.work.dragging.rests:
-        line = summaries.live_line(plan)
-        return state.with_status(Verdict.PLANNING, line, busy=True), step[1]
-    line = summaries.planned_line(plan, state.work.instead)
-    state = state.with_status(Verdict.PLANNED, line)
-    state = replace(state, history=replace(state.history, changing=()))
-    step = also((state, step[1]), Keep(state.design))
-    seeds = state.work.simulate_next
-    if seeds is None:
-        return step
-    return joined(step[1], simulate(state.with_work(simulate_next=None), seeds))
+    status = replace(state.status, busy=False)
+    state = replace(state, status=status, history=replace(state.history, changing=()))
+    step = also((state, effects), Keep(state.design))
+    follow = refine if wants_refining(state) else simulate_next
+    return joined(step[1], follow(state))
 
 
-def _search(state: TabState, message: str, plan: Plan, task: protocol.PlanJump) -> Step:
-    """There is no plan: show where the solver stopped, and look for the nearest jump."""
-    failure, robot = f"{state.work.instead}{message}.", state.robot
-    if presentable(plan) and robot is not None:
-        # Plans of older requests that are still under way do not replace it.
-        state = show_plan(state.with_work(shown=state.work.newest), plan, robot)
-        failure += " The picture shows where the solver stopped, no feasible motion."
-    state = state.without_sequel().with_work(failure=failure)
-    line = f"{failure} Looking for the nearest jump ..."
-    state = state.with_status(Verdict.FAILED, line, busy=True)
-    return submit(state, protocol.FindNearest(task.jump, task.tuning))
-
-
-@on(protocol.FindNearest)
-def take_nearest_report(
-    state: TabState, report: protocol.Report, _: protocol.FindNearest
-) -> TabState:
-    """The nearest jump is looked for, or found: beside what stopped the one that was wanted."""
-    failure = state.work.failure
-    match report:
-        case protocol.Progress(text=text):
-            return state.with_status(Verdict.FAILED, f"{failure} ({text}) ...", busy=True)
-        case protocol.Found(nearest=nearest):
-            line = f"{failure} It works with {nearest.changes}."
-            return state.with_work(nearest=nearest).with_status(Verdict.FAILED, line)
-        case protocol.Failed(message=message):
-            return state.with_status(Verdict.FAILED, f"{failure} {message}")
-    state = without_so_far(state.without_sequel())
-    return state.with_status(Verdict.CANCELLED, "The search for a feasible jump.")
-
-
-@on(Act.NEAREST, visible=lambda state: state.work.nearest is not None)
-def take_nearest(state: TabState) -> Step:
-    """Plan the jump on offer."""
-    nearest = state.work.nearest
-    if nearest is None:
+def _refuse(state: TabState, report: protocol.Refused) -> Step:
+    """There is no plan, and none near it: show where the solver stopped, once it has rested."""
+    rests, robot = state.work.dragging.rests, state.robot
+    status = summaries.refused_status(report.reason, state.work.instead.strip())
+    state = replace(state, status=replace(status, busy=rests))
+    if rests:
         return state, ()
-    state, design = untitled(state, nearest.jump, state.design.tuning)
+    if presentable(report.last) and robot is not None:
+        # Plans of older requests that are still under way do not replace it.
+        state = show_plan(state.with_work(shown=state.work.newest), report.last, robot)
+    return state.without_sequel(), ()
+
+
+@on(Act.NEAREST, visible=lambda state: state.shown is not None and state.shown.wanted is not None)
+def take_nearest(state: TabState) -> Step:
+    """Have the jump that is shown, the nearest, in place of the one that was asked for."""
+    shown = state.shown
+    if shown is None or shown.wanted is None:
+        return state, ()
+    state, design = untitled(state, shown.plan.jump, state.design.tuning)
+    state = replace(state, shown=replace(shown, wanted=None))
     return plan_design(remember(state, design, settled=True))
 
 
@@ -338,19 +316,23 @@ def draw_robot(state: TabState, event: RobotLoaded) -> Step:
 # ---- plans that are shown
 
 
-def show_plan(state: TabState, plan: Plan, robot: Robot, source: str = "") -> TabState:
-    """The state that shows a plan; simulations of another plan go."""
-    blocks = surroundings(robot, plan, Scenario()).blocks
-    shown = Shown(bake_plan(plan, robot), blocks=blocks, source=source)
-    return replace(state, shown=shown, seeds=None)
-
-
-def _show(state: TabState, report: protocol.Planned, ticket: int) -> Step:
+def _answer(state: TabState, report: protocol.Report, ticket: int) -> Step:
+    """Show the plan of a job, if it is newer than the one that is shown, and say what it is."""
+    match report:
+        case protocol.Planned(plan=plan):
+            wanted, reason = None, ""
+        case protocol.Refused(nearest=Plan() as plan):
+            wanted, reason = report.jump, report.reason
+        case _:
+            return state, ()
     robot = state.robot
-    if ticket < state.work.shown or robot is None or report.plan.jump.robot != robot.name:
+    if ticket < state.work.shown or robot is None or plan.jump.robot != robot.name:
         return state, ()
     first = state.shown is None
-    state = show_plan(state.with_work(shown=ticket), report.plan, robot)
+    state = show_plan(state.with_work(shown=ticket), plan, robot, wanted=wanted, reason=reason)
+    if ticket == state.work.newest or isinstance(state.work.awaited, protocol.PlanJump):
+        status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason)
+        state = replace(state, status=replace(status, busy=True))
     return state, played_first(state) if first else ()
 
 
@@ -363,15 +345,15 @@ def show_given(state: TabState, given: Given) -> Step:
     work = state.work
     dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
     state = replace(state.without_sequel(), given=None, note=given.note or state.note)
-    state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging, nearest=None)
+    state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging)
     state = show_plan(state, plan, robot, given.source)
-    source = f"{given.source}: " if given.source else ""
     if given.rollout is not None:
-        state = show_rollout(state, given.rollout, given.rollout.scenario, source)
+        state = show_rollout(state, given.rollout, given.rollout.scenario, given.source)
     elif plan.solved:
-        state = state.with_status(Verdict.PLANNED, f"{given.source}{summaries.planned_line(plan)}")
+        state = replace(state, status=summaries.plan_status(plan, given.source))
     else:
         worst = summaries.worst(plan.violations)
+        source = f"{given.source}: " if given.source else ""
         line = f"{source}the planner did not converge, largest violation {worst}."
         state = state.with_status(Verdict.FAILED, line)
     return state, (Keep(state.design), *play)

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.link import PushDragged
 from app.motion.baked import metres_per_newton_second, trunk_com
 from app.panel.acts import Act
-from app.picture.push_handle import PushDragged, PushShown
-from app.tab.acts import Step, kept, on, reads
+from app.picture.push_handle import PushShown
+from app.tab.acts import Step, joined, kept, on, reads
 from app.tab.effects import Pause, Seek
 from app.tab.planning import remember
-from app.tab.simulating import simulate
+from app.tab.simulating import simulate, simulate_again
 from app.tab.state import TabState
 from app.workers.protocol import SimulateJump, SimulateSeeds
 from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
@@ -38,7 +39,8 @@ def choose_scenario(state: TabState, scenario: Scenario) -> Step:
     elif before.seed is None and scenario.seed is not None and state.noise is not None:
         scenario = replace(scenario, noise=state.noise)  # disturbed again, as much as before
     if not scenario.pushes or (before.pushes and before.pushes[0].time == scenario.pushes[0].time):
-        return kept(remember(state, replace(state.design, scenario=scenario)))
+        state, effects = kept(remember(state, replace(state.design, scenario=scenario)))
+        return joined(effects, simulate_again(state))
     first, *others = scenario.pushes
     if not before.pushes:
         first = _first_push(state, first)
@@ -52,16 +54,26 @@ def choose_scenario(state: TabState, scenario: Scenario) -> Step:
 
 @on(PushDragged)
 def drag_push(state: TabState, event: PushDragged) -> Step:
-    """Have the push that is drawn; simulate it when it is let go of."""
-    scenario = state.design.scenario
+    """Have the push that is drawn; simulate it when it is let go of.
+
+    A push that begins at that instant is changed, and keeps its vertical part.
+    """
+    scenario, shown, robot = state.design.scenario, state.shown, state.robot
+    if shown is None or robot is None or not state.ready or not shown.plan.solved:
+        return state, ()
     first, *others = scenario.pushes or (None,)
-    size = math.hypot(*event.impulse)
-    if state.shown is None or first is None or size < _LEAST:
+    time, z = min(event.time, (shown.solid or shown.planned.frames).end), 0.0
+    if first is not None and abs(first.time - time) <= DURATION:
+        time, z = first.time, first.impulse[2]
+    scale = metres_per_newton_second(robot)
+    impulse = event.x / scale, event.y / scale, z
+    size = math.hypot(*impulse)
+    if size < _LEAST:
         return state, ()
     # Rounded towards zero, a push of the largest size stays one.
     share = min(1.0, LARGEST_IMPULSE / size)
-    x, y, z = (math.trunc(share * value * 10**_DECIMALS) / 10**_DECIMALS for value in event.impulse)
-    push = Push(event.time, (x, y, z), first.moment)
+    x, y, z = (_truncated(share * value) for value in impulse)
+    push = Push(time, (x, y, z), first.moment if first else (0.0, 0.0, 0.0))
     scenario = replace(scenario, pushes=(push, *others))
     state = remember(state, replace(state.design, scenario=scenario))
     if not event.ended:
@@ -69,6 +81,11 @@ def drag_push(state: TabState, event: PushDragged) -> Step:
     state = replace(state, history=replace(state.history, changing=()))
     state, effects = simulate(state)
     return state.with_work(replay_from=replay_start(state)), effects
+
+
+def _truncated(value: float) -> float:
+    """With so many decimals; what falls short of one by a rounding error has it."""
+    return math.trunc(round(value * 10**_DECIMALS, 6)) / 10**_DECIMALS
 
 
 def replay_start(state: TabState) -> float:

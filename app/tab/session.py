@@ -20,7 +20,7 @@ from typing import Any
 
 import viser
 
-from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
+from app.link import AtlasClicked, ChartDropped, ClipTaken, PageLink, PageReady
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
 from app.tab.acts import Corrected, Step, event_of, update
@@ -28,10 +28,10 @@ from app.tab.atlas import Atlases
 from app.tab.effects import Effect, Notify, Outside, ResetControls, RobotLoaded, loaded
 from app.tab.files import FileChosen
 from app.tab.inbox import End, Inbox
-from app.tab.initial_plan import InitialPlans
-from app.tab.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.planning import draw_robot
 from app.tab.rendering import Rendering
+from app.tab.start.initial_plan import InitialPlans
+from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.viser_private import run_javascript
 from app.workers.opened_file import uploaded_design
@@ -264,6 +264,8 @@ class Session:
                 return None
             case AtlasClicked():
                 return self._rendering.atlas.opened(item)
+            case ChartDropped():
+                return self._rendering.plots.dropped(item)
         return item
 
     def _greet_late(self, page: PageReady) -> None:

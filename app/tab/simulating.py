@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 
-from app.motion.baked import bake_rollout, frames_so_far
+from app.motion.baked import frames_so_far
 from app.panel import summaries
 from app.panel.acts import Act
-from app.panel.file_controls import SIMULATION
 from app.panel.status import Status, Verdict
-from app.tab.acts import Step, also, on, submit, update
+from app.tab.acts import Step, also, on, reads, submit, update
 from app.tab.effects import Keep, Notify, Play, Seek
-from app.tab.state import Seeds, Shown, TabState
+from app.tab.showing import show_rollout, without_so_far
+from app.tab.state import Seeds, TabState
 from app.workers import protocol
-from llsrbm.motion.rollout import Rollout
-from llsrbm.request.scenario import Scenario
+from llsrbm.request.numbers import percent
 from llsrbm.simulation.surroundings import surroundings
 
 SEEDS = 20  # Disturbances that are tried together; the robustness benchmark's number
@@ -46,15 +46,53 @@ def take_simulation(state: TabState, report: protocol.Report, task: protocol.Sim
     """A simulation is under way, or complete."""
     match report:
         case protocol.Progress(text=text, share=share):
-            line = f"({text}) ..." if share is None else f"{share:.0%}"
+            line = f"({text}) ..." if share is None else percent(share)
             return state.with_status(Verdict.SIMULATING, line, busy=True, share=share), ()
         case protocol.SimulatedSoFar():
             return _show_so_far(state, report, task)
         case protocol.Simulated(rollout=rollout):
             state = show_rollout(state, rollout, task.scenario)
+            took = rollout.duration / (rollout.outcome.real_time_factor or math.inf)
+            state = replace(state, simulated_in=took)
             follow_up = state.work.compare
             return replay(state) if follow_up is None else update(state, follow_up)
     return _ended(state, report), ()
+
+
+@dataclass(frozen=True)
+class Automatically:
+    """Whether what changes shall be simulated again by itself."""
+
+    wanted: bool
+
+
+reads(Act.AUTOMATIC, lambda _, panel: (Automatically(panel.scenario.automatic), []))
+
+
+@on(Automatically)
+def choose_automatic(state: TabState, event: Automatically) -> Step:
+    """Simulate by itself from now on, or only when Simulate is pressed."""
+    return simulate_again(replace(state, automatically=event.wanted))
+
+
+def simulate_again(state: TabState) -> Step:
+    """Simulate the design if it is done by itself, and what is shown is not a simulation of it."""
+    shown, awaited = state.shown, state.work.awaited
+    if not state.automatic or not state.ready or shown is None or not shown.plan.solved:
+        return state, ()
+    if state.planning or isinstance(awaited, protocol.SimulateSeeds):
+        return state, ()
+    if awaited is None and shown.simulated is not None and not state.outdated:
+        return state, ()
+    return simulate(state)
+
+
+def simulate_next(state: TabState) -> Step:
+    """Simulate the plan that has just come as it was asked for meanwhile, or by itself."""
+    seeds = state.work.simulate_next
+    if seeds is None:
+        return simulate_again(state)
+    return simulate(state.with_work(simulate_next=None), seeds)
 
 
 @on(Act.SEEDS)
@@ -92,28 +130,7 @@ def show_worst(state: TabState) -> TabState:
     seeds = state.seeds
     if seeds is None or seeds.worst is None or seeds.plan is not state.plan:
         return state
-    line = f"seed {seeds.worst.scenario.seed}: "
-    return show_rollout(state, seeds.worst, seeds.scenario, line)
-
-
-def show_rollout(
-    state: TabState, rollout: Rollout, scenario: Scenario, source: str = ""
-) -> TabState:
-    """The state that shows a simulation of the shown plan, for which `scenario` was requested."""
-    shown, robot = state.shown, state.robot
-    if shown is None or robot is None:
-        return state
-    if shown.simulated is None:  # there is a choice again, and this is the first of it
-        state = replace(state, export=replace(state.export, of=SIMULATION))
-    around = surroundings(robot, shown.plan, rollout.scenario)
-    simulated = bake_rollout(rollout)
-    shown = replace(
-        shown, simulated=simulated, scenario=scenario, so_far=None, blocks=around.blocks
-    )
-    verdict, line = summaries.simulated_line(rollout)
-    if around.in_mid_flight:
-        line = f"{line.removesuffix('.')}. {around.in_mid_flight}"
-    return replace(state, shown=shown).with_status(verdict, f"{source}{line}")
+    return show_rollout(state, seeds.worst, seeds.scenario, f"seed {seeds.worst.scenario.seed}")
 
 
 def status_of(state: TabState) -> Status:
@@ -121,8 +138,7 @@ def status_of(state: TabState) -> Status:
     status = state.status
     if not state.outdated or status.verdict not in (Verdict.LANDED, Verdict.FELL):
         return status
-    joint = "" if status.rest.startswith((",", ".")) else ": "
-    return replace(status, rest=f"in another scenario, press Simulate{joint}{status.rest}")
+    return replace(status, rest=f"{state.remark}: press Simulate", outdated=True)
 
 
 def _show_so_far(
@@ -135,7 +151,7 @@ def _show_so_far(
         return state, ()  # the robot stays where a hand has just pushed it
     so_far = frames_so_far(robot, report.time, report.qpos)
     blocks = surroundings(robot, shown.plan, task.scenario).blocks
-    shown = Shown(shown.planned, so_far=so_far, blocks=blocks, source=shown.source)
+    shown = replace(shown, simulated=None, scenario=None, so_far=so_far, blocks=blocks)
     return replay(replace(state, shown=shown))
 
 
@@ -145,14 +161,6 @@ def replay(state: TabState) -> Step:
     if start is None:
         return state, ()
     return state.with_work(replay_from=None), (Seek(start), Play())
-
-
-def without_so_far(state: TabState) -> TabState:
-    """Without the beginning of a simulation that has no end."""
-    shown = state.shown
-    if shown is None or shown.so_far is None:
-        return state
-    return replace(state, shown=replace(shown, so_far=None))
 
 
 def _ended(state: TabState, report: protocol.Report) -> TabState:

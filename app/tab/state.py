@@ -23,16 +23,21 @@ from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice
 from app.tab.drag_planning import DragPlanning
-from app.workers.protocol import PlanJump, SimulateJump, Task
+from app.workers.protocol import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
+from llsrbm.atlas.feasible import Feasible
+from llsrbm.certificate import Certificate
 from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.planning.solve.nearest import Nearest
 from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump, changes
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.simulation.surroundings import Block
+
+QUICK = 2.0
+"""s; a simulation that takes no longer is begun after every change, unless that is switched off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,6 +50,24 @@ class Shown:
     so_far: Frames | None = None  # frames of the simulation that is running
     blocks: tuple[Block, ...] = ()  # what stands around
     source: str = ""  # where it is from, in words, if not from this tab's own planning
+    # the request to which it is the nearest that can be planned; None: it does what was asked for
+    wanted: Jump | None = None
+    reason: str = ""  # why not that, in one sentence
+    centroidal: Plan | None = None  # of which the plan is the refinement; None: it is none
+
+    @property
+    def request(self) -> Jump:
+        """The request that it answers."""
+        return self.wanted or self.plan.jump
+
+    @property
+    def remark(self) -> str:
+        """In which way it is not the jump that was asked for, in words; "" if it is."""
+        if not self.plan.solved:
+            return "Not feasible: where the planner stopped"
+        if self.wanted is None:
+            return ""
+        return f"Nearest: {changes(self.wanted, self.plan.jump) or 'all but the same'}"
 
     @property
     def plan(self) -> Plan:
@@ -129,10 +152,7 @@ class Work:
     awaited: Task | None = None  # its task, until its outcome is there
     shown: int = 0  # ticket of the job whose plan is shown
     dropped: int = 0  # the job with this ticket and those before it are of no interest any more
-    failure: str = ""  # why the newest request cannot be planned
     instead: str = ""  # the sentence that says that another jump type is planned; "": none is
-    # a jump that can be planned, on offer in place of one that cannot
-    nearest: Nearest | None = None
     # the plan that is awaited shall be simulated, with so many seeds (0: once)
     simulate_next: int | None = None
     dragging: DragPlanning = field(default_factory=DragPlanning)  # the request on its way
@@ -152,6 +172,16 @@ class FileWork:
     saving: int = 0  # ticket of the file that is being written; 0: none
     saved: str = ""  # its formats
     saving_note: str = ""  # on its progress
+
+
+@dataclass(frozen=True, eq=False)
+class Check:
+    """The certificate of a motion, as far as it is there."""
+
+    motion: Plan | Rollout  # that is checked
+    ticket: int  # of the job
+    certificate: Certificate | None = None
+    note: str = ""  # on its progress, or why there is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,15 +232,24 @@ class TabState:
     work: Work = field(default_factory=Work)  # work, files, seeds: what is being computed
     files: FileWork = field(default_factory=FileWork)
     seeds: Seeds | None = None
+    check: Check | None = None  # of the motion that was shown when it was asked for
     pins: tuple[Pin, ...] = ()  # what is compared
     pin_chosen: int = -1  # number of the chosen one, -1: none
+    beside: bool = False  # their robots stand beside the one that is shown, else where they are
     playback: Playback = field(default_factory=Playback)  # playback, view, plots: how it is shown
     view: View = field(default_factory=View)
+    dark: bool = False  # the visitor's system is
     fine: bool = False  # with all triangles, as the browser has a graphics processor
     plots: PlotChoice = DEFAULT
+    # robot name -> which of its jumps can be planned, as far as this tab has found out
+    feasible: Mapping[str, Feasible] = field(default_factory=dict)
     atlas: AtlasChoice = field(default_factory=AtlasChoice)  # which map of which sweep
     export: FileChoice = field(default_factory=FileChoice)  # in which formats
     noise: float | None = None  # of the scenario when it was last disturbed
+    whole_body: bool = False  # whether plans are refined on the whole body's dynamics
+    # whether what changes is simulated again by itself; None: where that is quick
+    automatically: bool | None = None
+    simulated_in: float | None = None  # s that the last simulation took; None: there was none
     history: History = field(default_factory=History)  # of the design
     tickets: int = 0  # jobs so far; the next one gets the next number
     note: str = ""  # on what was opened or chosen, beside the examples
@@ -225,6 +264,11 @@ class TabState:
     def rollout(self) -> Rollout | None:
         """The simulation of it that is shown."""
         return None if self.shown is None else self.shown.rollout
+
+    @property
+    def motion(self) -> Plan | Rollout | None:
+        """The simulation that is shown, else the plan."""
+        return self.plan if self.rollout is None else self.rollout
 
     @property
     def pushes(self) -> tuple[Push, ...]:
@@ -252,13 +296,28 @@ class TabState:
     @property
     def planning(self) -> bool:
         """Whether the plan that is shown is going to be replaced."""
-        return isinstance(self.work.awaited, PlanJump) or self.work.dragging.rests
+        makes_plan = isinstance(self.work.awaited, PlanJump | RefinePlan)
+        return makes_plan or self.work.dragging.rests
 
     @property
     def outdated(self) -> bool:
         """Whether the simulation that is shown was asked for in another scenario."""
         shown = self.shown
         return shown is not None and shown.scenario not in (None, self.design.scenario)
+
+    @property
+    def automatic(self) -> bool:
+        """Whether what changes is simulated again by itself."""
+        if self.automatically is None:
+            return self.simulated_in is not None and self.simulated_in <= QUICK
+        return self.automatically
+
+    @property
+    def remark(self) -> str:
+        """In which way the motion that is shown is not what is asked for; "" if it is."""
+        if self.outdated:
+            return "Simulated with another scenario"
+        return "" if self.shown is None else self.shown.remark
 
     def with_work(self, **changes: Any) -> TabState:
         """With other values of `Work`."""

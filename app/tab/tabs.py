@@ -13,8 +13,8 @@ import viser
 
 from app.guard.limits import Limits
 from app.tab.atlas import Atlases
-from app.tab.initial_plan import InitialPlans
 from app.tab.session import Session
+from app.tab.start.initial_plan import InitialPlans
 from app.tab.state import TabState
 from app.workers.pool import WorkerPool
 from llsrbm.robots import RobotFile

@@ -238,12 +238,12 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
     titles_of([(plan.jump, plan.tuning, scenario)])
     replay = bake_plan(plan, robot)
     surroundings(robot, plan, scenario)
-    summaries.planned_line(plan)
+    summaries.plan_status(plan)
     summaries.plan_figures(plan)
     summaries.residuals(plan.violations)
     if rollout is not None:
         bake_rollout(rollout)
-        summaries.simulated_line(rollout)
+        summaries.simulated_status(rollout)
         summaries.rollout_figures(rollout)
     end = timeline(plan, rollout).end
     layers = shown_layers(replay, rollout)
@@ -254,9 +254,9 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
 def _show_alone(name: str, motion: Rollout | WholeBodyMotion) -> None:
     from app.motion import colours
     from app.motion.baked import bake_foreign
-    from app.plots.charts import Layer, charts, everything
+    from app.plots.charts import charts, everything, pinned_layer
 
-    layer = Layer(name, colours.PINNED[0], bake_foreign(name, motion), None, pinned=True)
+    layer = pinned_layer(name, colours.PINNED[0], bake_foreign(name, motion), None)
     charts(everything(), [layer])
 
 

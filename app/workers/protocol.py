@@ -14,10 +14,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from app.panel.status import SeedResult
 from app.workers.opened_file import OpenedFile
+from llsrbm.certificate import Certificate
+from llsrbm.errors import NotConverged
 from llsrbm.formats import find
 from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
@@ -26,9 +28,6 @@ from llsrbm.request.design import SUFFIX
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
-
-if TYPE_CHECKING:
-    from llsrbm.planning.solve.nearest import Nearest
 
 READING_LIMIT = 60.0
 """Time (s) that the reading of a file may take; the largest that is accepted takes a few."""
@@ -40,21 +39,22 @@ class Kind(Enum):
     """Kinds of jobs; a tab has one of each running at a time."""
 
     PLAN = "plan"
-    SEARCH = "search"
+    REFINE = "refine"
     SIMULATE = "simulate"
     EXPORT = "export"
     QUICK_EXPORT = "quick export"
     READ = "read"
+    CHECK = "check"
 
     @property
     def long(self) -> bool:
         """Whether it may last seconds, and keeps away from the reserved process."""
-        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT, Kind.READ)
+        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.READ, Kind.CHECK)
 
     @property
     def gives_way(self) -> bool:
         """Whether it is stopped at once when its tab requests something newer."""
-        return self in (Kind.SEARCH, Kind.SIMULATE, Kind.EXPORT)
+        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.CHECK)
 
 
 class Task(ABC):
@@ -121,7 +121,26 @@ class PlanJump(Task):
         return solver_of(self.jump)
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
-        return Planned(talk.job, planner.plan(self, talk.progress, talk.cancelled))
+        try:
+            return Planned(talk.job, planner.plan(self, talk.progress, talk.cancelled))
+        except NotConverged as error:
+            reason = error.reason or str(error)
+            return Refused(talk.job, self.jump, reason, error.plan, error.nearest)
+
+
+@dataclass(frozen=True, eq=False)
+class RefinePlan(Task):
+    """Find the whole body's plan near a centroidal one."""
+
+    plan: Plan  # a solved one
+    kind = Kind.REFINE
+
+    @property
+    def needs(self) -> Hashable:
+        return "whole body", *solver_of(self.plan.jump)
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Planned(talk.job, planner.refine(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,22 +169,6 @@ class SimulateSeeds(Task):
     @property
     def parts(self) -> tuple[Task, ...]:
         return tuple(SimulateJump(self.plan, self.scenario.but(seed=s)) for s in self.seeds)
-
-
-@dataclass(frozen=True)
-class FindNearest(Task):
-    """Find the nearest jump that can be planned."""
-
-    jump: Jump  # a request that cannot be
-    tuning: Tuning = field(default_factory=Tuning)  # weights and limits in place of the robot's own
-    kind = Kind.SEARCH
-
-    @property
-    def needs(self) -> Hashable:
-        return solver_of(self.jump)
-
-    def work(self, planner: Any, talk: Talk) -> Outcome:
-        return Found(talk.job, planner.nearest(self, talk.progress, talk.cancelled))
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,6 +206,18 @@ class ExportMotion(Task):
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         return Exported(talk.job, *planner.export(self, talk.progress))
+
+
+@dataclass(frozen=True, eq=False)
+class CheckMotion(Task):
+    """Make the certificate of a plan or a rollout."""
+
+    motion: Plan | Rollout
+    kind = Kind.CHECK
+    only_here = True
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Checked(talk.job, planner.check(self, talk.progress))
 
 
 Solver = tuple[str, str, str, int]
@@ -283,11 +298,14 @@ class Planned:
 
 
 @dataclass(frozen=True)
-class Found:
-    """The nearest jump that can be planned was found."""
+class Refused:
+    """A jump cannot be planned; the nearest that can."""
 
     job: int
-    nearest: Nearest
+    jump: Jump  # that was asked for
+    reason: str  # one sentence, without its full stop
+    last: Plan  # the last iterate
+    nearest: Plan | None = None  # None: none is known
 
 
 @dataclass(frozen=True)
@@ -325,13 +343,20 @@ class Exported:
     content: bytes
 
 
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """A motion was checked."""
+
+    job: int
+    certificate: Certificate
+
+
 @dataclass(frozen=True)
 class Failed:
-    """The job ended without a result: one line for the user, and the last iterate, if any."""
+    """The job ended without a result: one line for the user."""
 
     job: int
     message: str
-    plan: Plan | None = None
 
 
 @dataclass(frozen=True)
@@ -343,7 +368,16 @@ class Cancelled:
 
 Partial = Progress | SimulatedSoFar | SeedDone
 Outcome = (
-    Prepared | Planned | Found | Simulated | SimulatedSeeds | Opened | Exported | Failed | Cancelled
+    Prepared
+    | Planned
+    | Refused
+    | Simulated
+    | SimulatedSeeds
+    | Opened
+    | Exported
+    | Checked
+    | Failed
+    | Cancelled
 )
 Report = Partial | Outcome
 Listener = Callable[[Report], None]

@@ -23,6 +23,7 @@ from app.workers.protocol import (
 )
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
+from llsrbm.request.numbers import decimal
 
 MOST_SEEDS = 100  # Of one request: some five minutes of one process
 
@@ -86,11 +87,11 @@ def result_of(seed: int, rollout: Rollout) -> SeedResult:
     """The figures and the line of one simulation."""
     outcome = rollout.outcome
     if not rollout.landed:
-        at = "" if outcome.fell_at_s is None else f" at {outcome.fell_at_s:.2f} s"
+        at = "" if outcome.fell_at_s is None else f" at {decimal(outcome.fell_at_s, 2)} s"
         line = f"Fell{at}: {outcome.reason}."
     else:
-        loosely = "" if outcome.strict else ", but failed the strict criterion"
-        line = f"Landed{loosely}; feet within {1e3 * outcome.foot_error:.0f} mm of the plan."
+        loosely = "" if outcome.strict else ", not strict"
+        line = f"Landed{loosely}; feet within {decimal(1e3 * outcome.foot_error)} mm of the plan."
     return SeedResult(
         seed=seed,
         landed=rollout.landed,

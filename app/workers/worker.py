@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import llsrbm
-from app.workers import protocol
+from app.workers import protocol, spare_solvers
 from app.workers.opened_file import OpenedFile
 from llsrbm import errors
 from llsrbm.mechanics import Array
@@ -20,7 +20,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
-    from llsrbm.planning.solve.nearest import Nearest
+    from llsrbm.certificate import Certificate
 
 _log = logging.getLogger(__name__)
 
@@ -38,6 +38,8 @@ class LibraryPlanner:
         import llsrbm.api  # noqa: F401  # takes long: before the first job
 
         self._solvers: set[protocol.Solver] = set()
+        self._spare: set[protocol.Solver] = set()  # beside which others are being built
+        self._refined: set[protocol.Solver] = set()  # of which a plan has been refined
         self._replanned: set[protocol.Solver] = set()  # with which a flight has been planned anew
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
@@ -62,10 +64,13 @@ class LibraryPlanner:
             near.solution is None or protocol.solver_of(near.jump) != protocol.solver_of(task.jump)
         ):
             near = None
+        # A slider that moves does not wait for a solver that has to be built first.
+        looks = task.patient or self._has_nearest(task.jump)
         how: dict[str, Any] = {
             "weights": task.tuning.weights,
             "limits": task.tuning.limits,
-            "patient": task.patient,
+            "patient": looks,
+            "explains": task.patient,
             "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             "cancelled": cancelled,
         }
@@ -75,19 +80,24 @@ class LibraryPlanner:
             _log.info("planned without the plan that is shown: %s", error)
             return llsrbm.plan(task.jump, near=None, **how)
 
-    def nearest(
-        self, task: protocol.FindNearest, progress: ProgressListener, cancelled: Callable[[], bool]
-    ) -> Nearest:
-        """Find the nearest jump that can be planned."""
-        self._announce(task.jump, progress)
-        found: Nearest = llsrbm.nearest(
-            task.jump,
-            weights=task.tuning.weights,
-            limits=task.tuning.limits,
-            progress=progress,
+    def refine(
+        self, task: protocol.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Plan:
+        """The whole body's plan near a plan, or that plan, which says that there was none."""
+        from llsrbm.planning.whole_body.refine import refined
+
+        solver = protocol.solver_of(task.plan.jump)
+        if solver not in self._refined:
+            progress(
+                f"building the whole-body solver of {task.plan.jump.robot}: half a minute, the "
+                "first time"
+            )
+            self._refined.add(solver)
+        return refined(
+            task.plan,
+            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
-        return found
 
     def simulate(
         self,
@@ -136,6 +146,23 @@ class LibraryPlanner:
         progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
+    def check(self, task: protocol.CheckMotion, progress: ProgressListener) -> Certificate:
+        """Certificate of a motion."""
+        from llsrbm.certificate import certify
+
+        progress("checking the motion at 1 kHz")
+        return certify(task.motion)
+
+    def _has_nearest(self, jump: Jump) -> bool:
+        """Whether nearer jumps can be looked for; else their solver is built beside all else."""
+        from llsrbm.planning.solve.planner import planner_of
+
+        built = planner_of(jump).has_nearest_built(jump)
+        if not built and protocol.solver_of(jump) not in self._spare:
+            self._spare.add(protocol.solver_of(jump))
+            spare_solvers.build(jump)
+        return built
+
     def _announce(self, jump: Jump, progress: ProgressListener) -> None:
         if protocol.solver_of(jump) not in self._solvers:
             progress(
@@ -181,7 +208,5 @@ def _work(planner: Any, job: protocol.Job, talk: protocol.Talk) -> protocol.Repo
         return job.task.work(planner, talk)
     except errors.Cancelled:
         return protocol.Cancelled(job.number)
-    except errors.NotConverged as error:
-        return protocol.Failed(job.number, str(error), error.plan)
     except errors.Error as error:
         return protocol.Failed(job.number, str(error))

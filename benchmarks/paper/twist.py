@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 import llsrbm
+from benchmarks.model_truth import YAW_HEADING, yaw_cells
 from benchmarks.paper.drawing import COLOURS, STYLE, TITLE, axes, phases, snapshots
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from llsrbm.mechanics import yaw
+from llsrbm.robots import load_robot
+from llsrbm.simulation.simulate import simulate
 
 TWIST = math.radians(90)
 MODELS = ("llsrbm-plus", "llsrbm", "srbm")
 ARRIVED = 0.95  # share of the twist
-SEEDS = range(6000, 6010)
+SEEDS = range(6000, 6020)
 
 
 def result(folder: Path) -> Result:
@@ -31,10 +35,10 @@ def result(folder: Path) -> Result:
     _curves(rollouts, folder / figures[0][0])
     shown = [(TITLE[m], rollouts[m]) for m in ("llsrbm-plus", "srbm")]
     snapshots(shown, (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
-    rows, kept, arrived, off, near = [], {}, {}, {}, {}
+    rows, kept, arrived, gained, near = [], {}, {}, {}, {}
     for model in MODELS:
         runs = [llsrbm.simulate(plans[model], llsrbm.Scenario(seed=seed)) for seed in SEEDS]
-        kept[model], arrived[model], off[model], near[model], inertia = (
+        kept[model], arrived[model], gained[model], near[model], inertia = (
             float(np.median(column)) for column in zip(*map(_figures, runs), strict=True)
         )
         strict = sum(run.outcome.strict for run in runs)
@@ -43,7 +47,6 @@ def result(folder: Path) -> Result:
                 TITLE[model],
                 f"{100 * kept[model]:.0f} %",
                 f"{arrived[model]:.3f} s",
-                f"{math.degrees(off[model]):+.1f}°",
                 f"{near[model]:.3f} m",
                 f"{inertia:.2f}",
                 f"{strict} of {len(runs)}",
@@ -52,28 +55,56 @@ def result(folder: Path) -> Result:
     better = kept["llsrbm"] > kept["srbm"] and kept["llsrbm-plus"] > kept["srbm"]
     earlier = arrived["llsrbm"] < arrived["srbm"]
     most = arrived["llsrbm-plus"] < arrived["srbm"]
-    verdict = AGREES if better and earlier and most else PARTLY if better else NOT
+    short = all(abs(gained[m]) > 2 * abs(gained["llsrbm-plus"]) for m in ("llsrbm", "srbm"))
+    verdict = AGREES if better and earlier and most else PARTLY if better and short else NOT
+    held = {m: math.degrees(_attitude_held(plan)) for m, plan in plans.items()}
     apart = 1e3 * (max(arrived.values()) - min(arrived.values()))
     reason = (
         f"With {_listed([TITLE[m] for m in MODELS])} the feet come within "
         f"{_listed([f'{near[m]:.3f}' for m in MODELS])} m of the axis, and the base keeps "
         f"{_listed([f'{100 * kept[m]:.0f}' for m in MODELS])} % of its yaw rate at lift-off. The "
         f"goal is reached at {_listed([f'{arrived[m]:.3f}' for m in MODELS])} s, at most "
-        f"{apart:.0f} ms apart. At touchdown the yaw is off the plan's by "
-        f"{_listed([f'{math.degrees(off[m]):+.1f}' for m in MODELS])}°. The paper's SRBM turns "
-        "less than planned."
+        f"{apart:.0f} ms apart. In flight the base turns by "
+        f"{_listed([f'{math.degrees(gained[m]):+.1f}' for m in MODELS])}° more than planned: the "
+        "paper's SRBM turns less than planned, and so do SRBM and LL-SRBM here, of which neither "
+        "has the legs' own momentum. At touchdown little of it is seen. The controller holds the "
+        "angular momentum in take-off, not the base's attitude; standing feet keep the legs back, "
+        "so that for the planned momentum the base has to turn faster than a plan without them "
+        "has it. It leaves the ground ahead of its plan, by what it then loses in flight. A "
+        "controller that holds the attitude in take-off instead is off by "
+        f"{_listed([f'{held[m]:+.1f}' for m in MODELS])}° at the planned touchdown, undisturbed."
     )
-    heading = ("model", "yaw rate kept in flight", "95 % of the yaw", "yaw − plan at touchdown",
+    heading = ("model", "yaw rate kept in flight", "95 % of the yaw",
                "feet from the axis", "least Izz [kg m²]", "strict")  # fmt: skip
     return Result(
         "ANYmal, 90° twist",
         "with LL-SRBM the feet keep close to the axis in flight, the base's angular velocity drops "
         "less than with SRBM, and the goal is reached earlier.",
-        [Table(heading, rows)],
+        [
+            Table(heading, rows),
+            Table(
+                ("yaw − plan [°]", *YAW_HEADING),
+                [[TITLE[m], *yaw_cells(plans[m], SEEDS)] for m in MODELS],
+            ),
+        ],
         figures,
         verdict,
         reason,
     )
+
+
+def _attitude_held(plan: llsrbm.Plan) -> float:
+    """Yaw (rad) from the plan at its touchdown under a controller that holds attitude in take-off.
+
+    In the place of the angular momentum, which follows from the plan's by the model alone.
+    """
+    robot = load_robot(plan.jump.robot)
+    weights = {"orientation_in_takeoff": 1000.0, "angular_momentum_in_takeoff": 1.0}
+    control = robot.file.control
+    control = control.model_copy(update={"weights": control.weights.model_copy(update=weights)})
+    holding = replace(robot, file=robot.file.model_copy(update={"control": control}))
+    error = simulate(plan, holding, llsrbm.Scenario()).outcome.yaw_error_at_planned_touchdown
+    return math.nan if error is None else error
 
 
 def _listed(words: list[str]) -> str:
@@ -81,7 +112,7 @@ def _listed(words: list[str]) -> str:
 
 
 def _figures(rollout: llsrbm.Rollout) -> tuple[float, float, float, float, float]:
-    """Share of the yaw rate kept, when the yaw is reached (s), its error at touchdown (rad).
+    """Share of the yaw rate kept, when the yaw is reached (s), its error gained in flight (rad).
 
     After that the feet's distance from the axis, m, and the smallest Izz, kg m2.
     """
@@ -93,7 +124,7 @@ def _figures(rollout: llsrbm.Rollout) -> tuple[float, float, float, float, float
     inside = slice(first + 8, last - 4)
     reached = np.flatnonzero(heading >= ARRIVED * TWIST)
     radius = np.linalg.norm((rollout.foot_position - rollout.com[:, None])[..., :2], axis=-1)
-    error = rollout.outcome.yaw_error_at_touchdown
+    error = rollout.outcome.yaw_error_in_flight
     return (
         float(rate[inside].min() / rate[first]),
         float(rollout.time[reached[0]]) if len(reached) else math.nan,

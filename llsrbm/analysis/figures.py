@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
+from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.request.messages import decimal
+from llsrbm.request.numbers import decimal
 
 Array = NDArray[np.float64]
 
@@ -48,6 +50,11 @@ class DesignFigures:
     # Of the base at its first contact, against the plan at its own, rad.
     yaw_error_at_touchdown: float | None = None
     solve_time_s: float | None = None  # wall time inside the solver, s
+    # By how much the whole body turns in flight beyond the plan for what its model leaves out, rad
+    # (`llsrbm.analysis.model_turn`); yaw_error_in_flight: by how much the simulated one did.
+    model_turn_in_flight: float | None = None
+    yaw_error_at_lift_off: float | None = None  # of the base against the plan, simulated, rad
+    yaw_error_in_flight: float | None = None
 
     @property
     def valid(self) -> bool:
@@ -61,6 +68,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
     outcome = None if rollout is None else rollout.outcome
     load = planned_peak_load(plan)
     status = "planned" if plan.solved else "not converged"
+    error = model_turn(plan)
     return DesignFigures(
         status=status if outcome is None else outcome.status,
         duration_s=plan.duration,
@@ -75,7 +83,8 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
         ),
         planned_torque_ratio=None if load is None else load.ratio,
         peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
-        yaw_error_at_touchdown=None if outcome is None else outcome.yaw_error_at_touchdown,
+        model_turn_in_flight=None if error is None else error.flight,
+        **_turning(outcome),
         solve_time_s=plan.report.solve_time_s,
     )
 
@@ -95,8 +104,13 @@ def figures_of_rollout(rollout: Rollout) -> DesignFigures:
         flight_time_s=flight_time,
         **_moving(rollout, yaw_rate, flight[:count], rollout.contact_force[:count], mass),
         peak_torque_ratio=outcome.peak_torque_ratio,
-        yaw_error_at_touchdown=outcome.yaw_error_at_touchdown,
+        **_turning(outcome),
     )
+
+
+def _turning(outcome: Outcome | None) -> dict[str, Any]:
+    names = ("yaw_error_at_lift_off", "yaw_error_in_flight", "yaw_error_at_touchdown")
+    return {} if outcome is None else {name: getattr(outcome, name) for name in names}
 
 
 def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
@@ -184,6 +198,8 @@ class Figure:
         return decimal(value * self.scale, self.decimals, signed=signed)
 
 
+_TURN: dict[str, Any] = {"unit": "°", "scale": math.degrees(1), "decimals": 1, "signed": True}
+
 FIGURES = (
     Figure("duration_s", "Duration", "duration", "s", 1, 2),
     Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
@@ -198,16 +214,11 @@ FIGURES = (
         "planned_torque_ratio", "Planned torque", "planned", "%", 100, 0, smaller_is_better=True
     ),
     Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
-    Figure(
-        "yaw_error_at_touchdown",
-        "Yaw at contact",
-        "yaw error",
-        "°",
-        math.degrees(1),
-        1,
-        smaller_is_better=True,
-        signed=True,
-    ),
+    Figure("model_turn_in_flight", "Model's turn error", "model", **_TURN, smaller_is_better=True),
+    Figure("yaw_error_in_flight", "Turn in flight", "in flight", **_TURN, smaller_is_better=True),
+    Figure("yaw_error_at_lift_off", "Yaw at lift-off", "lift-off", **_TURN),
+    # Not the smaller the better: of a poor model the errors before and in flight cancel.
+    Figure("yaw_error_at_touchdown", "Yaw at contact", "yaw error", **_TURN),
     Figure("solve_time_s", "Solve time", "solve", "ms", 1e3, 0, smaller_is_better=True),
 )
 """The row, in its order, after the status."""

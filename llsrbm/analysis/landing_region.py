@@ -79,7 +79,7 @@ def landing_regions(
     hips = touchdown.base_position + robot.hips @ R.T
     radius = speed * max(0.0, touchdown.time - time)
     return tuple(
-        _outline(R, mirror, hip, reach, foot, radius, float(ground))
+        _outline(R, mirror, hip, reach, foot, radius, float(ground), robot.foot_lift)
         for mirror, hip, foot, ground in zip(
             robot.mirrors, hips, feet, touchdown.ground, strict=True
         )
@@ -87,8 +87,16 @@ def landing_regions(
 
 
 def _outline(
-    R: Array, mirror: Array, hip: Array, reach: Reach, foot: Array, radius: float, ground: float
+    R: Array,
+    mirror: Array,
+    hip: Array,
+    reach: Reach,
+    foot: Array,
+    radius: float,
+    ground: float,
+    lift: float,
 ) -> Array | None:
+    hip = hip - [0.0, 0.0, lift]  # reach is of the feet's frames
     # Points p on the ground: each face of the reach's box says normal @ p <= bound.
     normals = np.concatenate([(mirror * R[:2]).T, -(mirror * R[:2]).T])
     beside = mirror * (R[2] * (ground - hip[2])) - (mirror * R[:2]).T @ hip[:2]

@@ -9,7 +9,10 @@ from typing import Any
 import numpy as np
 
 from llsrbm.analysis.diagnosis import diagnose
+from llsrbm.analysis.model_turn import model_turn
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
+from llsrbm.certificate import certified, stated
+from llsrbm.errors import NotConverged, Stop
 from llsrbm.mechanics import final_yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -33,24 +36,66 @@ def worst_violation(plan: Plan) -> str:
 
 _OF_REPORT = (
     *("status", "solver", "iterations", "guess"),
-    *("solve_time_s", "total_time_s", "build_time_s", "cost"),
+    *("solve_time_s", "total_time_s", "build_time_s", "cost", "compiling"),
 )
 
 
 def plan_summary(plan: Plan) -> dict[str, Any]:
     """The output of `llsrbm plan --json`: SI units, radians; null for values that are no number."""
+    error = model_turn(plan)
     figures: dict[str, Any] = {
         **{name: getattr(plan.report, name) for name in _OF_REPORT},
         "duration_s": plan.duration,
         "phase_durations_s": np.diff(plan.phase_start).tolist(),
         "peak_yaw_rate": peak_yaw_rate(plan),
         "final_yaw": final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2]),
+        "model_turn": None if error is None else asdict(error),
+        "refined": plan.refined,
+        "refinement": None if plan.refinement is None else asdict(plan.refinement),
         "violations": {name: v.amount for name, v in plan.violations.items()},
         "joint_torque_ratio": planned_torque_shares(plan),
         "phases": phases(plan),
         "request": plan.jump.as_dict(),
     }
     return {key: json_value(value) for key, value in figures.items()}
+
+
+def certificate_summary(plan: Plan) -> dict[str, Any]:
+    """Further output of `llsrbm plan --json`: `certificate` and `certified`, whether it holds.
+
+    Null of a plan that failed, whose instants may run backwards, and where the robot is not there
+    or has other joints by now.
+    """
+    certificate = stated(certified(plan))
+    if certificate is None:
+        return {"certificate": None, "certified": None}
+    return {"certificate": certificate.as_dict(), "certified": certificate.holds}
+
+
+def refusal_summary(error: NotConverged) -> dict[str, Any]:
+    """Further output of `llsrbm plan --json` where a request is not feasible.
+
+    `nearest`, the request's fields of the nearest jump, null if there is none; `limits`, the most
+    important first, `value` what the request needs and `limit` what it may have.
+    """
+    nearest = None if error.nearest is None else error.nearest.jump.as_dict()
+    return {"nearest": nearest, "limits": [_limit(stop) for stop in error.stops]}
+
+
+def _limit(stop: Stop) -> dict[str, Any]:
+    of, known = stop.demand, stop.amount > 0
+    needed, has, unit = (
+        (stop.needed, stop.value, stop.unit) if of is None else (of.needed, of.has, of.unit)
+    )
+    return {
+        "name": stop.limit or stop.constraint,
+        "joint": None if of is None else of.joint,
+        "phase": stop.phase,
+        "time_s": stop.time,
+        "value": json_value(needed if known else None),
+        "limit": json_value(has if stop.limit else None),
+        "unit": unit,
+    }
 
 
 def phases(plan: Plan) -> list[dict[str, Any]]:

@@ -60,6 +60,10 @@ class JointLoads:
     foot_residual: Array  # (N,) m: what inverse kinematics could not reach
     knot_position: Array  # (N+1, J) at the knots
     knot_velocity: Array  # (N+1, J) at the knots
+    # (N, J) where a leg's foot leaves the ground as the interval ends or has met it as it begins,
+    # that knot's velocity, and what is available there for the interval's torque; else NaN.
+    edge_velocity: Array
+    edge_available: Array
     # (J,) Nm or N: at rest in the last knot's posture, with the smallest contact forces that carry
     # the robot.
     standing_torque: Array
@@ -137,6 +141,7 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         robot, position, _rows(R_base_world, arm), _rows(R_base_world, motion.contact_force[:-1])
     )
     torque = effort[:, _BASE:]
+    edge_velocity = _edge_velocity(robot, motion.standing, knot_velocity)
     return JointLoads(
         time=(motion.time[1:] + motion.time[:-1]) / 2,
         knot_time=motion.time,
@@ -152,6 +157,8 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         foot_residual=postures.residual_m,
         knot_position=angles,
         knot_velocity=knot_velocity,
+        edge_velocity=edge_velocity,
+        edge_available=torque_in_direction(robot, edge_velocity, torque),
         standing_torque=_standing_torque(robot, motion, angles[-1]),
         standing_limit=robot.torque_limit,
     )
@@ -171,6 +178,20 @@ def _speeds(robot: Robot, joint_position: Array, at: States) -> Array:
         at.foot_velocity,
         at.foot_omega,
     )
+
+
+def _edge_velocity(robot: Robot, standing: NDArray[np.bool_], knot_velocity: Array) -> Array:
+    """(N, J), see `JointLoads`; `standing`: (N, L)."""
+    edge = np.full((len(standing), knot_velocity.shape[1]), np.nan)
+    leaves = np.vstack([standing[:-1] & ~standing[1:], np.zeros_like(standing[:1])])
+    lands = np.vstack([np.zeros_like(standing[:1]), ~standing[:-1] & standing[1:]])
+    for leg, mine in enumerate(robot.leg_joint_index):
+        for intervals, shift in (
+            (np.flatnonzero(leaves[:, leg]), 1),
+            (np.flatnonzero(lands[:, leg]), 0),
+        ):
+            edge[np.ix_(intervals, mine)] = knot_velocity[np.ix_(intervals + shift, mine)]
+    return edge
 
 
 # ---- dynamics: efforts (K, 6 + J) of base and joints, base axes
@@ -231,6 +252,7 @@ def _standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
     # The feet's places from the base's origin, so that it need not be known in the world.
     legs = robot.chains.motion(position[:, robot.leg_joint_index]).foot[0]
     corners = motion.contact_point[-1].reshape(len(legs), -1, 3) - motion.foot_position[-1][:, None]
+    corners = corners - [0.0, 0.0, robot.foot_lift]
     arm = (legs[:, None] + corners @ R_world_base).reshape(-1, 3)
     grasp = np.concatenate([np.tile(np.eye(3), len(arm)), np.concatenate(skew(arm), axis=1)])
     force = (np.linalg.pinv(grasp) @ effort[0, :_BASE]).reshape(1, -1, 3)

@@ -1,7 +1,8 @@
 """Postures that realise a plan: inverse kinematics of the whole robot at all knots at once.
 
 The base's attitude is given, so the feet seen from the CoM are given in the base frame too,
-beta = R^T (p - r). Unknown are the joint angles q; they put the base's origin at
+beta = R^T (p - r), p a foot's frame: above its contact point, if it is a ball. Unknown are the
+joint angles q; they put the base's origin at
 
     o(q) = -(m_T c_T + sum m_i c_i(q_i)) / m        relative to the CoM, base frame,
 
@@ -66,14 +67,16 @@ def solve_postures(
     Args:
         robot: the robot.
         com: (K, 3) m, world frame; base_quat: (K, 4) w, x, y, z of the root link.
-        foot_position: (K, L, 3) m, world frame; foot_quat: (K, L, 4), of lines and soles.
+        foot_position: (K, L, 3) m, world frame, lowest points of feet, middles of soles;
+            foot_quat: (K, L, 4), of lines and soles.
         q_start: (nq,) posture to start from, Pinocchio's convention; default: standing.
         near: (K, J) angles close to the postures, to start from instead: a third of the time.
 
     Returns the postures; where a foot is out of reach, the nearest found and its residual. Raises
     `InputError`: the robot has soles and their attitude is not given.
     """
-    r, p = np.asarray(com, dtype=float), np.asarray(foot_position, dtype=float)
+    r = np.asarray(com, dtype=float)
+    p = np.asarray(foot_position, dtype=float) + np.array([0.0, 0.0, robot.foot_lift])
     R_world_base = rotation_matrices(base_quat)
     start = robot.posture if q_start is None else np.asarray(q_start, dtype=float)
     # (p - r) @ R is R^T (p - r), a row a foot.
@@ -98,6 +101,7 @@ def joint_speeds(
     com_velocity: ArrayLike,
     foot_velocity: ArrayLike,
     foot_angular_velocity: ArrayLike | None = None,
+    motion: LegMotion | None = None,
 ) -> Array:
     """(K, J) joint speeds, rad/s or m/s, by Jacobians; very large next to a singularity.
 
@@ -106,11 +110,11 @@ def joint_speeds(
         angular_velocity: (K, 3) rad/s of the base, world frame, as all others.
         com_velocity: (K, 3) m/s; foot_velocity: (K, L, 3) m/s.
         foot_angular_velocity: (K, L, 3) rad/s of lines and soles; without: `InputError`.
+        motion: of the legs at these positions, where it is known.
     """
     position = np.asarray(joint_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)
-    q = position[:, robot.leg_joint_index]
-    motion = robot.chains.motion(q)
+    motion = motion or robot.chains.motion(position[:, robot.leg_joint_index])
     beta = motion.foot - motion.com[:, None, :]
     omega = apply(np.swapaxes(R_world_base, -1, -2), np.asarray(angular_velocity, dtype=float))
     relative = np.asarray(foot_velocity, dtype=float) - np.asarray(com_velocity)[:, None, :]

@@ -10,9 +10,10 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from llsrbm.atlas.jumps import Atlas, Axis, Jumps
     from llsrbm.atlas.map import Map
@@ -47,6 +48,14 @@ def atlas_command(
             help="Nearest slice, as height=0.1 or twist=90 (deg); repeatable [default: all].",
         ),
     ] = None,
+    intervals: Annotated[
+        bool,
+        typer.Option(
+            "--intervals",
+            help="In place of maps: what can be planned along each number of a request, the others "
+            "being those of --at [default: 0]; guessed from samples, in rad and m.",
+        ),
+    ] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
@@ -59,6 +68,10 @@ def atlas_command(
         from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
         from llsrbm.request.messages import choices
 
+        if intervals:
+            found = {name: _intervals(name, at or ()) for name in robot or [Jump().robot]}
+            console.print_result({"robots": found}, _in_words(found), stdout, as_json=as_json)
+            return console.DONE
         source = shipped_atlas() if sweep is None else sweep
         if colour not in COLOURS:
             raise InputError(f'--colour: no "{colour}"; {choices(colour, COLOURS)}')
@@ -113,8 +126,13 @@ def _axis(jumps: Jumps, option: str, name: str) -> Axis:
 
 
 def _slice(jumps: Jumps, text: str) -> tuple[str, float]:
+    return _value(text, lambda name: _axis(jumps, "--at", name))
+
+
+def _value(text: str, axis_of: Callable[[str], Axis]) -> tuple[str, float]:
+    """Name and SI value of AXIS=VALUE."""
     name, _, value = text.partition("=")
-    axis = _axis(jumps, "--at", name)
+    axis = axis_of(name)
     try:
         number = float(value)
     except ValueError:
@@ -134,6 +152,57 @@ def _title(jumps: Jumps) -> str:
         return jumps.robot
 
 
+def _intervals(name: str, at: Sequence[str]) -> dict[str, Any]:
+    """The fields of a robot's request with what can be planned; or why it is not known."""
+    from llsrbm.atlas.feasible import tracks, why_unknown
+    from llsrbm.planning.problem.placement import make_task
+    from llsrbm.robots import load_robot
+
+    jump, limits = _at(name, at)
+    robot = load_robot(name)
+    make_task(jump, robot, None, limits)  # checks names and ranges
+    return {
+        "unknown": why_unknown(jump, limits, robot),
+        "intervals": {
+            field: track.intervals for field, track in tracks(jump, limits, robot).items()
+        },
+    }
+
+
+def _at(robot: str, at: Sequence[str]) -> tuple[Jump, dict[str, float]]:
+    from llsrbm.atlas.jumps import axis_of
+    from llsrbm.planning.solve.guess_table import REQUEST
+    from llsrbm.request.messages import choices
+    from llsrbm.sweep.rows import LIMIT
+
+    values: dict[str, Any] = {}
+    limits: dict[str, float] = {}
+    for text in at:
+        name, number = _value(text, axis_of)
+        if name.startswith(LIMIT):
+            limits[name.removeprefix(LIMIT)] = number
+        elif name in REQUEST:
+            values[name] = number
+        else:
+            raise InputError(f'--at: "{name}"; {choices(name, (*REQUEST, LIMIT + "friction"))}')
+    return Jump(robot=robot, **values), limits
+
+
+def _in_words(found: dict[str, Any]) -> dict[str, str]:
+    from llsrbm.atlas.jumps import axis_of
+    from llsrbm.request.numbers import short
+
+    lines = {}
+    for robot, each in found.items():
+        if each["unknown"]:
+            lines[robot] = f"nothing is known {each['unknown']}"
+        for field, intervals in each["intervals"].items():
+            axis = axis_of(field)
+            parts = [" to ".join(short(axis.scale * end, 3) for end in ends) for ends in intervals]
+            lines[f"{robot} {field}"] = f"{' and '.join(parts) or 'nowhere'} {axis.unit}"
+    return lines
+
+
 def _summary(drawn: Map) -> dict[str, Any]:
     jumps = drawn.jumps
     strict = jumps.strict[jumps.planned > 0] if jumps.simulated else None
@@ -150,7 +219,7 @@ def _summary(drawn: Map) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.request.messages import percent
+    from llsrbm.request.numbers import percent
 
     lines = {"sweep": result["title"]}
     for found in result["maps"]:

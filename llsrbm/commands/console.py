@@ -50,7 +50,7 @@ def counting(noun: str) -> Iterator[Callable[[int, int], None]]:
 
     `noun` is the plural of what is counted.
     """
-    from llsrbm.request.messages import duration
+    from llsrbm.request.numbers import duration
 
     terminal = sys.stderr.isatty()
     start = last = time.monotonic()

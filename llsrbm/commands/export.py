@@ -46,6 +46,7 @@ def export_command(
 
     Options that are left out are as each format has them; see `llsrbm formats --format F`.
     """
+    from llsrbm.certificate import certified
     from llsrbm.formats import export
     from llsrbm.motion.trajectory import load
 
@@ -56,7 +57,7 @@ def export_command(
         given["size"] = tuple(int(n) if n.is_integer() else n for n in pixels)
     if options.is_given(context, "camera"):
         given["camera"] = _numbers("--camera", camera, ",", 3)
-    export(load(file), out, format=format_, **given)
+    export(certified(load(file)), out, format=format_, **given)
     return console.DONE
 
 

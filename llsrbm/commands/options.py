@@ -18,6 +18,7 @@ import typer
 from llsrbm.errors import InputError
 from llsrbm.request.jump import TYPE_PARAMETERS, Jump
 from llsrbm.request.messages import FieldSpec, Number, field_specs
+from llsrbm.request.numbers import decimal, degrees
 from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.tuning import Tuning
 
@@ -142,16 +143,16 @@ def in_words(jump: Jump) -> str:
     plain = Jump()
     words = [] if jump.type == plain.type else [jump.type]
     words.append(
-        f"twist {math.degrees(jump.twist):.0f} deg, forward {jump.forward:.2f} m, lateral "
-        f"{jump.lateral:.2f} m, height {jump.height:.2f} m"
+        f"twist {degrees(jump.twist, 0)}, forward {decimal(jump.forward, 2)} m, lateral "
+        f"{decimal(jump.lateral, 2)} m, height {decimal(jump.height, 2)} m"
     )
     words += [
-        f"{name} {math.degrees(turn):.0f} deg"
+        f"{name} {degrees(turn, 0)}"
         for name, turn in (("roll", jump.roll), ("pitch", jump.pitch))
         if turn
     ]
     words += [
-        f"{name} {speed:.2f} m/s"
+        f"{name} {decimal(speed, 2)} m/s"
         for name, speed in (("speed", jump.speed), ("end speed", jump.end_speed))
         if speed
     ]

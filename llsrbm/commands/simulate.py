@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -11,6 +10,7 @@ import typer
 
 from llsrbm.commands import console, options
 from llsrbm.errors import InputError
+from llsrbm.request.numbers import degrees, percent, short
 from llsrbm.request.scenario import Push, Scenario
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ def simulate_command(
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.analysis.summaries import rollout_summary
+        from llsrbm.certificate import certified
         from llsrbm.robots import load_robot
         from llsrbm.simulation.checks import check_scenario
 
@@ -67,9 +68,14 @@ def simulate_command(
                 limits=tuning.limits,
                 progress=console.show_planning,
             )
+        if scenario.replan:
+            console.show_planning(
+                "loading the solvers that plan anew: some minutes the first time, "
+                "seconds after that"
+            )
         rollout = llsrbm.simulate(plan, scenario, progress=console.show_simulation)
         if out is not None:
-            rollout.save(out)
+            certified(rollout).save(out)
         lines = {} if as_json else _description(rollout)
         console.print_result(rollout_summary(rollout), lines, stdout, as_json=as_json)
         if rollout.landed:
@@ -108,7 +114,7 @@ def _description(rollout: Rollout) -> dict[str, str]:
         noise = f"disturbed by seed {scenario.seed}, noise {scenario.noise:g}"
     trunk = ""
     if scenario.trunk_mass is not None:
-        trunk = f", trunk {100 * scenario.trunk_mass:+g} % against its believed mass"
+        trunk = f", trunk {percent(scenario.trunk_mass, 1, signed=True)} against its believed mass"
     lines["scenario"] = f"{board}{noise}{trunk}"
     if scenario.estimator != Scenario.estimator:
         lines["scenario"] += f", estimator {scenario.estimator}"
@@ -128,12 +134,18 @@ def _description(rollout: Rollout) -> dict[str, str]:
         f"planned {outcome.touchdown_planned_s:.3f} s, true {_seconds(outcome.touchdown_true_s)}, "
         f"detected {_seconds(outcome.touchdown_detected_s)}, {outcome.false_touchdowns} false"
     )
-    at_touchdown = outcome.yaw_error_at_touchdown
-    before = "" if at_touchdown is None else f"{math.degrees(at_touchdown):+.1f} deg at touchdown, "
-    lines["yaw error"] = f"{before}{math.degrees(outcome.final_yaw_error):+.1f} deg at the end"
+    errors = (
+        ("at lift-off", outcome.yaw_error_at_lift_off),
+        ("gained in flight", outcome.yaw_error_in_flight),
+        ("at touchdown", outcome.yaw_error_at_touchdown),
+        ("at the end", outcome.final_yaw_error),
+    )
+    lines["yaw error"] = ", ".join(
+        f"{degrees(error, signed=True)} {when}" for when, error in errors if error is not None
+    )
     lines["place"] = (
         f"CoM {1e3 * outcome.final_position_error:.0f} mm off, feet {1e3 * outcome.foot_error:.0f} "
-        f"mm, tilt {math.degrees(outcome.final_tilt):.1f} deg"
+        f"mm, tilt {degrees(outcome.final_tilt)}"
     )
     lines["drives"] = (
         f"torque at most {100 * outcome.peak_torque_ratio:.0f} % of the limit, speed "
@@ -160,12 +172,13 @@ def _landed(rollout: Rollout) -> str:
         return "landed, by the strict measure too"
     moved = rollout.outcome.recovered and (rollout.pushes or rollout.replans)
     place = ", but for the feet's place it would" if moved else ""
-    return f"landed, by the strict measure not{place}"
+    touched = f": {rollout.outcome.touched}" if rollout.outcome.touched else ""
+    return f"landed, by the strict measure not{place}{touched}"
 
 
 def _push(push: Push) -> str:
-    impulse = ", ".join(f"{value:.3g}" for value in push.impulse)
-    moment = ", ".join(f"{value:.3g}" for value in push.moment)
+    impulse = ", ".join(short(value, 3) for value in push.impulse)
+    moment = ", ".join(short(value, 3) for value in push.moment)
     turning = f", {moment} N m s" if any(push.moment) else ""
     return f"at {push.time:.3f} s: {impulse} N s{turning}"
 

@@ -152,7 +152,7 @@ def _summary(folder: Folder, progress: Progress | None) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.request.messages import duration
+    from llsrbm.request.numbers import duration
 
     lines = {}
     for robot, counts in result["robots"].items():

@@ -12,6 +12,7 @@ from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Feet, F
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
+from llsrbm.control.joint_bounds import JointBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
@@ -27,6 +28,7 @@ Array = NDArray[np.float64]
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
+_STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,7 @@ class WholeBodyController:
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
+        self._joints = JointBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         feet = FootForces(body, robot.leg_joint_index, self._tick)
@@ -83,6 +86,7 @@ class WholeBodyController:
         self._carried: dict[bytes, Array] = {}  # by which feet stand
         self._points = points
         self._momentum_share = 1.0
+        self._stretch = np.zeros(3)  # m: of the legs in flight, down if negative
 
     @property
     def flights(self) -> list[Flight]:
@@ -151,9 +155,29 @@ class WholeBodyController:
         if contacts.flying:
             if time > self.flights[-1].touchdown - JUST_AFTER:
                 target = self._reference.late(contacts.phase)
+                target = replace(target, foot_from_com=target.foot_from_com + self._stretch)
+            else:
+                target = self._reaching(target)
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
         return replace(target, com=raised, com_acceleration=acceleration)
+
+    def _reaching(self, target: Target) -> Target:
+        """Feet in flight that meet the ground at the planned time, however high the CoM flies.
+
+        They are put down as gently as the plan has it: some millimetres in height would be 20 ms in
+        time, in which a robot that twists turns on.
+        """
+        above = self.contacts.ground_shift + target.com[2] - self._body.com[2]
+        self._stretch[2] = min(max(above, -_STRETCH), _STRETCH)
+        rate = np.zeros(3)
+        if abs(above) < _STRETCH:
+            rate[2] = target.com_velocity[2] - self._body.com_velocity[2]
+        return replace(
+            target,
+            foot_from_com=target.foot_from_com + self._stretch,
+            foot_velocity_from_com=target.foot_velocity_from_com + rate,
+        )
 
     def _foot_target(self, target: Target) -> Array:
         stands = self.contacts.planned[:, None]
@@ -189,6 +213,7 @@ class WholeBodyController:
             wanted,
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),
+            self._joints.accelerations(body),
         )
 
     def _weight_carried(self, feet: Feet) -> Array:

@@ -4,6 +4,7 @@ min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
      tau = M_a a + h_a - J_a^T f within the drives' limits
+     a of the joints within bounds, as far as that leaves a solution: see `Qp`
 
 The program has the forces of those points alone that may push, the others' being zero.
 
@@ -83,9 +84,11 @@ class InverseDynamics:
         force: Array,
         force_weight: float,
         torque_limits: tuple[Array, Array],
+        accelerations: tuple[Array, Array] | None = None,
     ) -> Command:
         """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
+        `accelerations`: lowest and highest of the joints, likewise, that stops and speeds allow;
         `contact`: (C,) whether a point may push; `force`: (C, 3) N wanted; `force_weight`: 1/N2.
         """
         body, n = self._body, self._n
@@ -102,6 +105,8 @@ class InverseDynamics:
         np.negative(J[:, _BASE:].T, out=torques[:, n:])
         np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[self._joints])
         np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
+        if accelerations is not None:
+            qp.soft_lower[_BASE:n], qp.soft_upper[_BASE:n] = accelerations
         x = qp.solve()
         if x is None:
             return self._unsolved_command(torque_limits)

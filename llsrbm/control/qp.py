@@ -18,11 +18,17 @@ from llsrbm.request.messages import look_up
 
 Array = NDArray[np.float64]
 
+SOFTNESS = 1e4
+"""Weight of a soft bound, as a contact's: above all tasks, (m/s2)^-2 or (rad/s2)^-2."""
+_ROUNDS = 6
+
 
 @dataclass
 class Qp:
-    """min 1/2 x'Hx + g'x  subject to  A x = b,  lower <= C x <= upper.
+    """min 1/2 x'Hx + g'x + w/2 |outside|^2  subject to  A x = b,  lower <= C x <= upper.
 
+    `outside`: by how much x is below `soft_lower` or above `soft_upper`; w is `SOFTNESS`. As slacks
+    these bounds can never make the program infeasible.
     The arrays are written in place by the caller, tick by tick; a solver keeps none of them.
     Limits may be ±inf.
     """
@@ -34,6 +40,8 @@ class Qp:
     C: Array  # (m, n), (m,), (m,) inequalities
     lower: Array  # (m, n), (m,), (m,) inequalities
     upper: Array  # (m, n), (m,), (m,) inequalities
+    soft_lower: Array  # (n,)
+    soft_upper: Array  # (n,)
 
     @classmethod
     def zeros(cls, variables: int, equalities: int, inequalities: int) -> Qp:
@@ -46,6 +54,8 @@ class Qp:
             C=np.zeros((inequalities, variables)),
             lower=np.full(inequalities, -np.inf),
             upper=np.full(inequalities, np.inf),
+            soft_lower=np.full(variables, -np.inf),
+            soft_upper=np.full(variables, np.inf),
         )
 
     @property
@@ -58,14 +68,31 @@ class Qp:
         """(n,) the solution; None where there is none, or for numeric reasons none is found.
 
         In nine of ten ticks no inequality is active: the minimum under the equalities is the
-        solution.
+        solution. Soft bounds that it oversteps are pulled at, until they are those that the
+        minimum of the pulled program oversteps: Newton's method on a piecewise quadratic cost.
         """
-        x = self._under_equalities()
+        x = self._under_hard_limits(self.H, self.g)
+        pulled = np.zeros(len(self.g), dtype=bool)
+        for _ in range(_ROUNDS):
+            if x is None:
+                return None
+            low, up = x < self.soft_lower, x > self.soft_upper
+            outside = low | up
+            if (outside == pulled).all():
+                break
+            pulled, H = outside, self.H.copy()
+            H.reshape(-1)[:: len(x) + 1] += SOFTNESS * pulled
+            bound = np.where(low, self.soft_lower, np.where(up, self.soft_upper, 0.0))
+            x = self._under_hard_limits(H, self.g - SOFTNESS * bound)
+        return x
+
+    def _under_hard_limits(self, H: Array, g: Array) -> Array | None:
+        x = self._under_equalities(H, g)
         if x is None and self.is_sound:
-            x = self._by_active_sets()
+            x = self._by_active_sets(H, g)
         return x if x is not None and np.isfinite(x).all() else None
 
-    def _by_active_sets(self) -> Array | None:
+    def _by_active_sets(self, H: Array, g: Array) -> Array | None:
         # Rows and right sides: A x = b, then every finite limit as rows @ x >= right.
         low, up = np.isfinite(self.lower), np.isfinite(self.upper)
         rows = np.concatenate((self.A, self.C[low], -self.C[up]))
@@ -73,17 +100,17 @@ class Qp:
         # quadprog wants the transpose, column-major: rows are its columns.
         constraints = (rows.T, right, len(self.b)) if len(right) else ()
         try:
-            return np.asarray(quadprog.solve_qp(self.H, -self.g, *constraints)[0])
+            return np.asarray(quadprog.solve_qp(H, -g, *constraints)[0])
         except ValueError:  # infeasible, or H is not positive definite
             return None
 
-    def _under_equalities(self) -> Array | None:
+    def _under_equalities(self, H: Array, g: Array) -> Array | None:
         """x = H^-1 (A' multipliers - g), (n,), where it keeps the inequalities; None otherwise."""
         equalities = len(self.b)
-        right = np.empty((len(self.g), equalities + 1), order="F")
+        right = np.empty((len(g), equalities + 1), order="F")
         right[:, :-1] = self.A.T
-        np.negative(self.g, out=right[:, -1])
-        _, free, failed = dposv(self.H.T, right)
+        np.negative(g, out=right[:, -1])
+        _, free, failed = dposv(H.T, right)
         if failed or not np.isfinite(free).all():
             return None
         x: Array = free[:, -1]

@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
+from typing_extensions import TypedDict  # of `typing` before 3.12 it is too little for pydantic
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.files.npz import LARGEST_NUMBER, Arrays, text
@@ -44,6 +45,27 @@ def _first(error: ValidationError) -> str:
     return f"{place}: {printable(first['msg'].removeprefix('Value error, '), 200)}"
 
 
+_Text = Annotated[str, Field(max_length=500), AfterValidator(_one_line)]
+_Length = Annotated[float, Field(ge=-LARGEST_NUMBER, le=LARGEST_NUMBER)]
+
+
+class StatedFinding(TypedDict):
+    """One check's finding as `llsrbm.certificate.Finding.as_dict` has it."""
+
+    worst: _Length | None
+    limit: _Length | None
+    unit: _Text
+    where: _Text
+    time_s: _Length | None
+    holds: bool | None
+    allowed: _Length | None
+    why: _Text
+
+
+StatedCertificate = Annotated[dict[_Name, StatedFinding], Field(max_length=100)]
+"""Name of a check -> its finding: the certificate that a file carries."""
+
+
 class _RobotNumbers(BaseModel):
     """Those of a robot's numbers that the library itself looks at, where a file has them."""
 
@@ -65,6 +87,7 @@ class Meta(BaseModel):
     model: str
     robot_parameters: dict[str, Any]
     package_version: str = Field(default_factory=package_version)
+    certificate: StatedCertificate | None = None
 
     @field_validator("robot_parameters")
     @classmethod

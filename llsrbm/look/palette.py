@@ -1,4 +1,8 @@
-"""One colour a thing, the same in every picture, plot, timeline and legend."""
+"""One meaning a colour, the same in every picture, plot, timeline and legend.
+
+A colour says what a thing is, never which model made it: models differ by the style of a line, or
+by a tint (`paler`).
+"""
 
 from __future__ import annotations
 
@@ -6,21 +10,20 @@ Rgb = tuple[int, int, int]
 
 PLANNED: Rgb = (44, 123, 229)
 SIMULATED: Rgb = (222, 96, 16)
-RIGID: Rgb = (240, 140, 30)
-FORCE: Rgb = (214, 51, 108)
+REFERENCE: Rgb = (120, 128, 138)  # to compare with: limits, SRBM's constant inertia, the start
+FORCE: Rgb = (196, 28, 140)  # of the ground and of pushes
 COM: Rgb = (90, 60, 180)
-FOOT: Rgb = (110, 120, 130)
-PUSH: Rgb = (176, 0, 150)
-REPLANNED: Rgb = (118, 168, 0)
+FOOT: Rgb = (148, 130, 206)  # path of a foot: a tint of the CoM's
+REPLANNED: Rgb = (118, 168, 0)  # a plan made in flight
 TARGET: Rgb = (40, 160, 90)
-BLOCK: Rgb = (172, 132, 84)
+BLOCK: Rgb = (150, 104, 60)
 INFEASIBLE: Rgb = (220, 40, 40)
 
-TAKE_OFF: Rgb = (227, 169, 59)
-FLIGHT: Rgb = (76, 143, 220)
-LANDING: Rgb = (87, 167, 115)
-REBOUND: Rgb = (157, 168, 87)  # between two flights: a landing and a take-off at once
-PHASES: tuple[Rgb, ...] = (TAKE_OFF, FLIGHT, LANDING)
+# Phases are tints, so that no phase is taken for a plan or a simulation; darker with the feet down.
+TAKE_OFF: Rgb = (171, 183, 204)
+FLIGHT: Rgb = (229, 234, 240)
+LANDING: Rgb = (166, 198, 187)
+REBOUND: Rgb = (168, 190, 196)  # between two flights: a landing and a take-off at once
 STANDING: Rgb = (206, 211, 217)
 GROUND: Rgb = (206, 211, 217)
 

@@ -42,6 +42,7 @@ class Row:
     """One strip."""
 
     name: str
+    colour: Rgb
     pieces: tuple[Piece, ...]
 
 
@@ -87,7 +88,8 @@ class Timeline:
     def plain(self) -> dict[str, Any]:
         """For JSON; colours as style sheets have them."""
         plain = asdict(self)
-        for each in (*(piece for row in plain["rows"] for piece in row["pieces"]), *plain["marks"]):
+        pieces = (piece for row in plain["rows"] for piece in row["pieces"])
+        for each in (*plain["rows"], *pieces, *plain["marks"]):
             each["colour"] = palette.css(each["colour"])
         return plain
 
@@ -101,7 +103,8 @@ def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:
         rows = [_planned(plan, end)]
     else:
         end, events = max(plan.duration, float(rollout.time[-1])), _events(rollout)
-        rows = [_planned(plan, end), Row("simulation", _simulated(rollout, plan.duration))]
+        simulated = _simulated(rollout, plan.duration)
+        rows = [_planned(plan, end), Row("simulation", palette.SIMULATED, simulated)]
         marks += _simulated_marks(rollout)
         bars = tuple(_bar(replan) for replan in rollout.replans)
     marks.sort(key=lambda mark: mark.time)
@@ -156,7 +159,7 @@ def _planned(plan: Plan, end: float) -> Row:
     pieces = [_piece(plan.schedule, phase, a, b) for phase, (a, b) in edges]
     if end > plan.duration:
         pieces.append(_standing(plan.duration, end))
-    return Row("plan", tuple(pieces))
+    return Row("plan", palette.PLANNED, tuple(pieces))
 
 
 def _standing(start: float, end: float) -> Piece:
@@ -164,14 +167,18 @@ def _standing(start: float, end: float) -> Piece:
 
 
 def _planned_marks(plan: Plan) -> list[Mark]:
-    marks = []
+    marks, landed = [], 0.0
     for number, phase in enumerate(plan.schedule.flights, start=1):
         flight = np.flatnonzero(plan.phase == phase)
         apex = flight[np.argmax(plan.com[flight, 2])]
+        before = np.flatnonzero((plan.time >= landed) & (plan.time <= plan.phase_start[phase]))
+        lowest = before[np.argmin(plan.com[before, 2])]
+        landed = plan.phase_start[phase + 1]
         instants = {
+            "push-off": plan.time[lowest],  # from where the CoM is moved up
             "lift-off": plan.phase_start[phase],
             "apex": plan.time[apex],
-            "touchdown planned": plan.phase_start[phase + 1],
+            "touchdown": landed,
         }
         marks += [
             Mark(_numbered(name, number), float(time), palette.PLANNED)
@@ -195,7 +202,7 @@ def _simulated_marks(rollout: Rollout) -> list[Mark]:
 
 def _pushes(rollout: Rollout) -> list[Mark]:
     return [
-        Mark(f"push {math.hypot(*push.impulse):.3g} N s", push.time, palette.PUSH)
+        Mark(f"push {math.hypot(*push.impulse):.3g} N s", push.time, palette.FORCE)
         for push in rollout.pushes
     ]
 

@@ -8,7 +8,6 @@ textures become vertex colours. The result is cached.
 from __future__ import annotations
 
 import logging
-import re
 import tempfile
 from collections import defaultdict
 from collections.abc import Sequence
@@ -26,6 +25,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import coarser, face_shares, readable, simplified
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.urdf import mesh_files, mesh_path, mesh_stamps
 
 if TYPE_CHECKING:
     import trimesh
@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 VISUALS_VERSION = "5"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 COARSE_FACES = 8_000
+_BLACK, _ROUGHNESS = 0.17, 0.55  # darkest grey, 0 to 1; 1 reflects nothing
 """A robot with more of them has coarse meshes as well, with a third of the faces or so, for
 browsers without a graphics processor."""
 
@@ -80,6 +81,38 @@ class LinkVisual:
             process=False,
         )
 
+    @property
+    def paint(self) -> NDArray[np.float64]:
+        """(V, 3) 0 to 1: its colours as pictures have them, in which black is dark grey."""
+        return _BLACK + (1 - _BLACK) * (self.rgb / 255.0)
+
+    def glb(self) -> bytes:
+        """Binary glTF in its paint, as matt plastic has it.
+
+        Without a material glTF takes a mesh for bare metal, which is black in a room without
+        mirrors.
+        """
+        painted = self.mesh()
+        # glTF's colours are proportional to light, not to what an eye sees.
+        painted.visual.vertex_colors[:, :3] = np.round(255 * self.paint**2.2)
+        content: bytes = painted.export(
+            file_type="glb", include_normals=True, tree_postprocessor=_matt
+        )
+        return content
+
+
+def _matt(tree: dict[str, Any]) -> None:
+    plastic = {"metallicFactor": 0.0, "roughnessFactor": _ROUGHNESS}
+    give_material(tree, {"pbrMetallicRoughness": plastic})
+
+
+def give_material(tree: dict[str, Any], material: dict[str, Any]) -> None:
+    """Give all of a glTF's meshes one material."""
+    tree["materials"] = [material]
+    for mesh in tree["meshes"]:
+        for primitive in mesh["primitives"]:
+            primitive["material"] = 0
+
 
 def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...]:
     """A mesh for each moving body that has one, from the cache if made before.
@@ -101,13 +134,7 @@ def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...
 
 def needs_preparation(robot: Robot) -> bool:
     """True if `link_visuals` would take seconds: meshes that were not prepared on this machine."""
-    return bool(mesh_files(robot)) and not _entry(robot, coarse=True).exists()
-
-
-def mesh_files(robot: Robot) -> list[str]:
-    """Names of the meshes in the URDF."""
-    urdf = robot.urdf_path.read_text(encoding="utf-8")
-    return re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf)
+    return bool(mesh_files(robot.urdf_path)) and not _entry(robot, coarse=True).exists()
 
 
 def forward_kinematics(
@@ -234,7 +261,7 @@ def _load_scene(robot: Robot) -> trimesh.Scene:
 
         def resolve(fname: str) -> str:
             if fname not in files:
-                found = _mesh_path(robot, fname)
+                found = mesh_path(robot.urdf_path, robot.package_dirs, fname)
                 if found is None:
                     raise RobotFileError(
                         f"{robot.path}: urdf: {robot.urdf_path} names a mesh that is missing: "
@@ -254,28 +281,12 @@ def _load_scene(robot: Robot) -> trimesh.Scene:
     return scene
 
 
-def _mesh_path(robot: Robot, name: str) -> Path | None:
-    relative = name.removeprefix("package://").removeprefix("file://")
-    candidates = [robot.urdf_path.parent / relative]
-    candidates += [directory / relative for directory in robot.package_dirs]
-    return next((candidate for candidate in candidates if candidate.is_file()), None)
-
-
 def _entry(robot: Robot, *, coarse: bool) -> Path:
     kind = "coarse" if coarse else "visuals"
     urdf = robot.urdf_path.read_text(encoding="utf-8")
-    key = content_key(kind, VISUALS_VERSION, urdf, str(FACES), *_mesh_stamps(robot))
+    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
+    key = content_key(kind, VISUALS_VERSION, urdf, str(FACES), *stamps)
     return cache_path(f"{kind}-{robot.name}", key, ".npz")
-
-
-def _mesh_stamps(robot: Robot) -> list[str]:
-    stamps = []
-    for name in mesh_files(robot):
-        path = _mesh_path(robot, name)
-        if path is not None:
-            status = path.stat()
-            stamps.append(f"{name} {status.st_size} {status.st_mtime_ns}")
-    return stamps
 
 
 def _vertex_colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8]:

@@ -29,7 +29,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.models.leg_drives import Drives
+from llsrbm.models.drives import Drives
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -79,6 +79,8 @@ class CentroidalModel(ABC):
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
         coordinates: d, of a foot: 3, or 4 with its yaw.
         turn_mirrors: (L,) of +-1, what mirroring does to a yaw.
+        foot_lift: m, of the feet's frames above the points with which they stand. beta and x are
+            of the frames.
         drives: what the legs' joints must do, the same in all models.
     """
 
@@ -99,6 +101,7 @@ class CentroidalModel(ABC):
         self.hips, self.mirrors = fit.hips, fit.mirrors
         self.legs = len(self.hips)
         self.coordinates = robot.foot_coordinates
+        self.foot_lift = robot.foot_lift
         self.turn_mirrors = self.mirrors[:, 0] * self.mirrors[:, 1]
         self.leg_mass = np.full(self.legs, leg_mass)
         self.base_mass = self.mass - self.legs * leg_mass

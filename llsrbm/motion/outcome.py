@@ -26,11 +26,19 @@ class Outcome:
         false_touchdowns: detections while no foot touched the ground, of all flights.
         yaw_error_at_touchdown: yaw of the base at the true touchdown minus the plan's at its own;
             of a base far from upright, the vertical part of the turn between the two.
+        yaw_error_at_lift_off: of the last flight, against the yaw that is tracked;
+            yaw_error_in_flight: how much further than planned the base turned from there until the
+            first contact or the planned touchdown, whichever came first. Their sum differs from the
+            error at touchdown by the turn in the time between the two touchdowns. `model_turn` in
+            `llsrbm.analysis` has what the plan's model makes of both.
+        yaw_error_at_planned_touchdown: at that instant, standing or not, minus the plan's then.
         foot_error_at_touchdown: largest horizontal distance of a foot, at its first contact, from
             where the plan lands it, m; foot_error: at the end.
         peak_tilt: largest after touchdown; of a body that turned over, from the planned attitude.
         second_flight_s: time without any foot in contact, from the true touchdown on.
-        trunk_touched: whether anything but the feet touched the ground.
+        trunk_touched: whether the trunk, or what it carries, touched anything.
+        touched: which links but the feet touched what (also each other), and when first: "LH_SHANK
+            touched the box at 0.61 s; ..."; "" if none did. No strict success with any.
         peak_torque_ratio, peak_speed_ratio: largest share of the robot file's limits.
         takeoff_joint_speed: largest until lift-off, rad/s or m/s.
         saturated_fraction: share of ticks with a torque at its limit.
@@ -75,6 +83,10 @@ class Outcome:
     control_rate_hz: float
     landing_strategy: str
     recovered: bool
+    touched: str = ""
     replans: int = 0
     replan_median_s: float | None = None
     replan_p95_s: float | None = None
+    yaw_error_at_lift_off: float | None = None
+    yaw_error_in_flight: float | None = None
+    yaw_error_at_planned_touchdown: float | None = None

@@ -14,6 +14,7 @@ from pydantic import PlainSerializer, PlainValidator
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.files.native import (
     Meta,
+    StatedCertificate,
     check_phases,
     check_schema,
     check_times,
@@ -74,6 +75,7 @@ class SolveReport:
         solve_time_s: inside the solver, all attempts; total_time_s: from request to `Plan`, solver
             already built; build_time_s: to build or load the solver, 0 when it was at hand.
         cost: value of the objective.
+        compiling: whether the solver was still being compiled, and took twice as long for it.
     """
 
     status: str
@@ -85,6 +87,25 @@ class SolveReport:
     build_time_s: float
     cost: float
     guess: str = ""
+    compiling: bool = False
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Status, effort and wall times (s) of the second stage, on the whole body's dynamics.
+
+    Attributes:
+        status: "solved", or "not-converged": then the plan is the centroidal one.
+        solve_time_s, total_time_s, build_time_s, compiling: as of a `SolveReport`.
+    """
+
+    status: str
+    iterations: int
+    solve_time_s: float
+    total_time_s: float
+    build_time_s: float
+    cost: float
+    compiling: bool = False
 
 
 class OfRobot:
@@ -123,6 +144,9 @@ class Plan(OfRobot):
         violations: constraint name -> largest violation, recomputed with NumPy.
         tuning: weights and limits that were requested in place of the robot's.
         solution: of the solver, for plans that start from this one; None of a plan that failed.
+        refinement: of the second stage, if there was one. Knots of a refined plan are those of its
+            intervals and the middles between them; `report` and `solution` are of the first stage.
+        certificate: findings of `llsrbm.certify`, once `llsrbm.certified` has added them.
 
     Velocities and torques of the joints are None in a plan that failed so badly that its motion has
     none.
@@ -203,11 +227,23 @@ class Plan(OfRobot):
     tuning: Tuning = field(default_factory=Tuning)
     solution: Iterate | None = field(default=None, repr=False)
     obstacle: Obstacle | None = None
+    refinement: Refinement | None = None
+    certificate: StatedCertificate | None = field(default=None, repr=False)
+
+    @property
+    def refined(self) -> bool:
+        """True if the motion is one of the whole body's equations of motion."""
+        return self.refinement is not None and self.refinement.status == "solved"
 
     @property
     def solved(self) -> bool:
         """True if every constraint is satisfied."""
         return self.report.status == "solved"
+
+    @property
+    def is_nearest(self) -> bool:
+        """True if it was planned in place of another request, which is not feasible."""
+        return self.report.guess == NEAREST
 
     @property
     def duration(self) -> float:
@@ -279,13 +315,27 @@ class Plan(OfRobot):
             found = checked(arrays, _SOLUTION_LAYOUT, path)
             solution = Iterate(**{name: found[key] for name, key in _SOLUTION.items()})
         stated = {name: getattr(meta, name) for name in _STATED}
+        if meta.refinement is not None and meta.refinement.status == "solved":
+            _check_refined(values, path)
         return Plan(jump=meta.request, solution=solution, **stated, **values)
 
 
 SCHEMA = "llsrbm.plan/2"
+NEAREST = "nearest to another request"
+"""`SolveReport.guess` of plans that were made in place of a request that is not feasible."""
+
 
 # What stands at `meta` under its own name.
-_STATED = ("robot_parameters", "report", "violations", "tuning", "schedule", "obstacle")
+_STATED = (
+    "robot_parameters",
+    "report",
+    "violations",
+    "tuning",
+    "schedule",
+    "obstacle",
+    "refinement",
+    "certificate",
+)
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
 _SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
 _SOLUTION_LAYOUT = {
@@ -308,6 +358,7 @@ class _Meta(Meta):
         PlainValidator(lambda t: t if isinstance(t, Obstacle | None) else Obstacle.from_dict(t)),
         PlainSerializer(lambda obstacle: obstacle and obstacle.as_dict()),
     ] = None
+    refinement: Refinement | None = None
 
 
 def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
@@ -332,6 +383,15 @@ def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
     steps = np.diff(phase[:-1], prepend=-1)
     if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
         check_phases(phase, schedule.names, path, ", each of them with an interval, in that order")
+
+
+def _check_refined(values: Arrays, path: str | Path) -> None:
+    """Raise `FileFormatError` unless intervals come in pairs, with torques (`sampling`)."""
+    if len(values["time"]) % 2 == 0 or values.get("joint_torque") is None:
+        raise FileFormatError(
+            f'{path}: key "meta": it is of a refined plan; expected an odd number of knots and '
+            'the key "joint_torque"'
+        )
 
 
 def load_plan(path: str | Path) -> Plan:

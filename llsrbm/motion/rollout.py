@@ -14,6 +14,7 @@ from pydantic import Field
 from llsrbm.errors import FileFormatError
 from llsrbm.files.native import (
     Meta,
+    StatedCertificate,
     check_phases,
     check_schema,
     check_times,
@@ -184,6 +185,7 @@ class Rollout(OfRobot):
     plan: Plan = field(repr=False)
     control_parameters: dict[str, Any] = field(default_factory=dict)
     replans: tuple[Replan, ...] = field(default=(), repr=False)
+    certificate: StatedCertificate | None = field(default=None, repr=False)
 
     @property
     def pushes(self) -> tuple[Push, ...]:
@@ -276,7 +278,10 @@ class Rollout(OfRobot):
 
 SCHEMA = "llsrbm.rollout/1"
 # What stands at `meta` under its own name.
-_STATED = ("robot_parameters", "control_parameters", "scenario", "disturbance", "outcome")
+_STATED = (
+    *("robot_parameters", "control_parameters", "scenario", "disturbance", "outcome"),
+    "certificate",
+)
 _PLAN = "plan/"  # begins the keys of the plan that was followed
 
 

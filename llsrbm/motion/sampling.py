@@ -4,7 +4,11 @@ Between its knots a plan follows from what the planner assumes there: contact fo
 so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a constant
 rate; feet that stand are still, the others move on straight lines seen from the CoM in base axes
 and carry their contact points along. Between the ticks of a rollout states are straight.
-Knots and ticks are reproduced exactly; quaternions come out without jumps of sign.
+Of a refined plan forces and torques are straight lines over two intervals at a time, through their
+values in the middles of these: so at any instant they are what inverse dynamics gives.
+Knots and ticks are reproduced exactly, but for these; quaternions come out without jumps of sign.
+The whole body between a plan's knots, which exports and the certificate have, is
+`llsrbm.motion.realised`.
 """
 
 from __future__ import annotations
@@ -113,6 +117,7 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
         InputError: a time is not finite.
     """
     values = sampled(trajectory, times, quantities(type(trajectory)))
+    values["certificate"] = None  # of the motion as it was
     if isinstance(trajectory, Plan):
         values["solution"] = None  # is of the knots
     return replace(trajectory, **values)
@@ -127,7 +132,7 @@ def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> d
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or not np.isfinite(times).all():
         raise InputError("times: expected a list of finite numbers, s")
-    instants = _Instants.of(trajectory.time, times)
+    instants = Instants.of(trajectory.time, times)
     between = _BetweenKnots(trajectory, instants) if isinstance(trajectory, Plan) else None
     values: dict[str, Any] = {}
     for name, quantity in quantities(type(trajectory)).items():
@@ -140,7 +145,9 @@ def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> d
             values[name] = between.rules[quantity.between](name)
         else:
             values[name] = _RULES[quantity.between](instants, known)
-        if known is not None and quantity.between not in (Between.TURNING, Between.POSE):
+        if between is not None and name in between.lines:
+            values[name] = between.lines[name]
+        elif known is not None and quantity.between not in (Between.TURNING, Between.POSE):
             # Free of rounding, and of the solver's defects.
             values[name][instants.exact] = known[instants.at[instants.exact]]
         if quantity.rate:
@@ -150,7 +157,7 @@ def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> d
 
 
 @dataclass(frozen=True, eq=False)
-class _Instants:
+class Instants:
     """Where K instants lie among knots or ticks.
 
     Attributes:
@@ -169,7 +176,8 @@ class _Instants:
     share: Array
 
     @staticmethod
-    def of(knots: Array, times: Array) -> _Instants:
+    def of(knots: Array, times: Array) -> Instants:
+        """Of instants (K,) s among knots or ticks, s."""
         inside = np.clip(times, knots[0], knots[-1])
         at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
         left = np.minimum(at, len(knots) - 2)
@@ -177,7 +185,7 @@ class _Instants:
         share = np.clip((inside - knots[left]) / dt, 0.0, 1.0)
         exact = np.abs(knots[at] - inside) <= _SAME_INSTANT
         outside = np.abs(times - inside) > _SAME_INSTANT
-        return _Instants(inside, outside, at, exact, left, dt, share)
+        return Instants(inside, outside, at, exact, left, dt, share)
 
     def weighted(self, factor: Array, values: Array) -> Array:
         """`values` (K, ...), each times its own of `factor` (K,)."""
@@ -185,15 +193,18 @@ class _Instants:
         return product
 
     def linear(self, values: Array) -> Array:
+        """Straight between (N, ...) values at the knots."""
         a, b = values[self.left], values[self.left + 1]
         return a + self.weighted(self.share, b - a)
 
     def turning(self, quat: Array) -> Array:
+        """Attitudes (N, ..., 4), turning at a constant rate."""
         quat = sign_continuous(quat)
         share = self.share.reshape(-1, *[1] * (quat.ndim - 2))
         return slerp(quat[self.left], quat[self.left + 1], share)
 
     def pose(self, qpos: Array) -> Array:
+        """MuJoCo's coordinates (N, Q), straight, the base turning at a constant rate."""
         mixed = self.linear(qpos)
         mixed[:, 3:7] = self.turning(qpos[:, 3:7])
         return mixed
@@ -210,18 +221,18 @@ class _Instants:
         )
 
 
-_RULES: dict[Between, Callable[[_Instants, Any], Any]] = {
+_RULES: dict[Between, Callable[[Instants, Any], Any]] = {
     Between.HELD: lambda instants, values: values[instants.at],
-    Between.LINEAR: _Instants.linear,
-    Between.TURNING: _Instants.turning,
-    Between.POSE: _Instants.pose,
+    Between.LINEAR: Instants.linear,
+    Between.TURNING: Instants.turning,
+    Between.POSE: Instants.pose,
 }
 
 
 class _BetweenKnots:
     """Rules between a plan's knots beyond those of any trajectory: `rules` by their names."""
 
-    def __init__(self, plan: Plan, instants: _Instants) -> None:
+    def __init__(self, plan: Plan, instants: Instants) -> None:
         self._plan, self._instants = plan, instants
         self.rules: dict[Between, Callable[[str], Any]] = {
             Between.BALLISTIC: self._ballistic,
@@ -232,6 +243,21 @@ class _BetweenKnots:
             Between.JOINTS: lambda _: self._joint_curve(instants.time),
             Between.JOINT_RATES: lambda _: self._joint_curve(instants.time, nu=1),
         }
+
+    @cached_property
+    def lines(self) -> dict[str, Array]:
+        """Forces and torques of a refined plan, by their names."""
+        plan, instants = self._plan, self._instants
+        if not plan.refined:
+            return {}
+        pair = instants.left // 2
+        share = instants.left % 2 + instants.share - 0.5
+        found = {}
+        for name in ("contact_force", "joint_torque"):
+            at_nodes = getattr(plan, name)
+            first, second = at_nodes[:-1:2][pair], at_nodes[1::2][pair]
+            found[name] = first + instants.weighted(share, second - first)
+        return found
 
     @cached_property
     def _R(self) -> Array:

@@ -56,6 +56,7 @@ def description(trajectory: Trajectory) -> dict[str, Any]:
         "units": "SI; angles in rad",
         "legs": list(trajectory.leg_names),
         "joints": list(trajectory.joint_names),
+        **({} if trajectory.certificate is None else {"certificate": trajectory.certificate}),
         "joint_units": ["m" if name in sliding else "rad" for name in trajectory.joint_names],
     }
     if isinstance(trajectory, Plan):

@@ -38,6 +38,9 @@ class StageExpressions:
     rows: tuple[Row, ...]  # path constraints
     next_state: ca.SX | None  # (m, 1) SX, the m states of the next stage; None at the end
     lift: Lifting  # collects the intermediates that derivatives run through
+    # Whether the Hessian is that of the Lagrangian; otherwise that of the cost alone, marked
+    # intermediates held: cheap, and enough where the cost keeps all variables near something.
+    exact: bool = True
 
     def as_text(self) -> str:
         """Every operation and number in it, as text that equal stages share."""
@@ -45,7 +48,7 @@ class StageExpressions:
         following = ca.SX(0, 1) if self.next_state is None else self.next_state
         values = [self.cost, following, *(row.expression for row in self.rows), *definitions]
         arguments = [self.variables, self.shared, self.local, *symbols]
-        sizes = self.states, [row.equality for row in self.rows]
+        sizes = self.states, [row.equality for row in self.rows], self.exact
         return f"{sizes} {ca.Function('stage', arguments, values).serialize()}"
 
 

@@ -58,7 +58,7 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
     lam_f, lam = ca.SX.sym("lam_f"), ca.SX.sym("lam", g.shape[0])
     J = stage.lift.jacobian(g)
     gradient = ca.densify(stage.lift.jacobian(stage.cost).T)
-    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * stage.cost + ca.dot(lam, g))))
+    H = ca.triu2symm(ca.triu(_curvature(stage, lam_f, ca.dot(lam, g))))
     gap_before = ca.SX(0, z.numel())
     if not initial:
         gap_before = ca.horzcat(
@@ -86,6 +86,13 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
         equality=(True,) * gap.shape[0]
         + tuple(row.equality for row, values in rows for _ in range(values.shape[0])),
     )
+
+
+def _curvature(stage: StageExpressions, lam_f: ca.SX, rows: ca.SX) -> ca.SX:
+    if stage.exact:
+        return stage.lift.hessian(lam_f * stage.cost + rows)
+    H, _ = ca.hessian(lam_f * stage.cost, stage.variables)  # what is marked counts as constant
+    return ca.sparsify(H)
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:

@@ -166,7 +166,10 @@ def _evaluated(
     for indices in sharing.values():
         members = [stages[index] for index in indices]
         local = (ca.vertcat(ca.MX(0, 1), *(p[at] for at in stage.local)) for stage in members)
-        arguments = [ca.horzcat(*(x[stage.variables] for stage in members)), p, ca.horzcat(*local)]
+        # Of stages that share none, no copy of all parameters a stage.
+        shared = p if members[0].functions.cost.size1_in(1) else ca.MX(0, 1)
+        variables = ca.horzcat(*(x[stage.variables] for stage in members))
+        arguments = [variables, shared, ca.horzcat(*local)]
         if kind == "hessian":
             arguments += [lam_f, ca.horzcat(*(lam[stage.rows] for stage in members))]
         outputs = evaluate(getattr(members[0].functions, kind), len(members), *arguments)

@@ -7,10 +7,14 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
-from llsrbm.request.messages import Name, Number, Whole, check_fields
+from llsrbm.request.messages import Name, Number, Whole, check_fields, field_specs
+from llsrbm.request.numbers import short
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
+
+COMPONENTS = ("twist", "forward", "lateral", "height")
+"""Fields of a `Jump` that say where it leads."""
 
 TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops")
 """Fields of a `Jump` beyond where to land, which a jump type may ask for."""
@@ -80,3 +84,25 @@ class Jump:
     def as_dict(self) -> dict[str, Any]:
         """The request as plain data, for files and messages."""
         return asdict(self)
+
+
+def changes(wanted: Jump, found: Jump) -> str:
+    """By what a jump differs from the one that was asked for: "136° instead of 170°".
+
+    Components that look alike are left out, and the name of the twist where nothing else differs.
+    """
+    values = {name: (_amount(name, found), _amount(name, wanted)) for name in AMOUNTS}
+    differ = {name: pair for name, pair in values.items() if pair[0] != pair[1]}
+    return ", ".join(
+        f"{'' if list(differ) == ['twist'] else name.replace('_', ' ') + ' '}{new} instead of {old}"
+        for name, (new, old) in differ.items()
+    )
+
+
+def _amount(name: str, jump: Jump) -> str:
+    spec, value = field_specs(Jump)[name], getattr(jump, name)
+    assert isinstance(spec, Number)
+    # A tenth of a degree, a millimetre: less is no difference that a robot makes.
+    if spec.unit == "rad":
+        return f"{short(round(math.degrees(value), 1))}°"
+    return f"{short(round(value, 3))} {spec.unit}"

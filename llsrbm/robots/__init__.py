@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
 from llsrbm.robots.adapted_urdf import adapted_urdf
-from llsrbm.robots.feet import check_soles
+from llsrbm.robots.feet import check_soles, foot_lift
 from llsrbm.robots.leg_fit import load_or_fit
 from llsrbm.robots.legs import LegChains, solve_legs
 from llsrbm.robots.robot import Leg, Robot
@@ -98,7 +99,7 @@ def build_robot(path: str | Path) -> Robot:
 
     Raises:
         RobotFileError: the file is wrong in itself, names what its URDF does not have, or its
-            default posture does not stand on its soles.
+            default posture does not stand on its soles; or point feet have no radius.
     """
     path = Path(path).resolve()
     file = read_robot_file(path)
@@ -135,11 +136,30 @@ def build_robot(path: str | Path) -> Robot:
     )
     if robot.foot_coordinates > 3:
         check_soles(robot)
-    return robot
+        return robot
+    return _on_balls(robot)
+
+
+def _on_balls(robot: Robot) -> Robot:
+    """A robot whose point feet have their frames on the ground, raised onto their balls."""
+    lift = foot_lift(robot)
+    up = np.array([0.0, 0.0, lift])
+    posture = robot.posture.copy()
+    posture[:3] += up
+    return replace(
+        robot,
+        posture=posture,
+        com=robot.com + up,
+        base_position=robot.base_position + up,
+        foot_lift=lift,
+    )
 
 
 def _standing(chains: LegChains, angles: Array) -> tuple[Array, pin.Data]:
-    """Default posture (nq,) on the ground, the CoM above the origin; and Pinocchio's data there."""
+    """Default posture (nq,), the lowest foot's frame on the ground; and Pinocchio's data there.
+
+    The CoM is above the origin.
+    """
     model, data = chains.model, chains.model.createData()
     posture = pin.neutral(model)
     posture[[model.joints[j].idx_q for j in chains.joint_ids.ravel().tolist()]] = angles

@@ -75,6 +75,19 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> F
     return FootContact(robot.corners + np.array([0.0, 0.0, height]), radius)
 
 
+def foot_lift(robot: Robot) -> float:
+    """Height (m) of point feet's frames above the lowest points of their balls, standing.
+
+    Raises:
+        RobotFileError: as `foot_contacts`.
+    """
+    lifts = [
+        contact.radius - float((rotation @ contact.centres[0])[2])
+        for contact, rotation in zip(foot_contacts(robot), robot.foot_rotation, strict=True)
+    ]
+    return float(np.mean(lifts))
+
+
 def check_soles(robot: Robot) -> None:
     """Raise `RobotFileError` unless the default posture stands on its soles, level and balanced."""
     rotation = robot.foot_rotation

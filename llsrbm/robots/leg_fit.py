@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FIT_VERSION = "4"  # part of the cache key: raise it when a fit's numbers change
 _NOT_OF_LEGS = {  # tables of a robot's file that no leg depends on
     *("title", "limits", "timing", "task", "example"),
-    *("control", "uncertainty", "turning", "planning"),
+    *("control", "uncertainty", "turning", "planning", "link_pairs"),
 }
 
 _DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value
@@ -168,7 +168,8 @@ def _drawn(robot: Robot, samples: int, seed: int) -> Array:
     """Random x (S, L, d) m, rad within the reach, denser about the standing feet."""
     reach, mirrors, hips = robot.file.reach, robot.mirrors, robot.hips
     lower, upper = list(reach.lower), list(reach.upper)
-    standing = (mirrors * (robot.feet - robot.base_position - hips)).mean(axis=0)
+    frames = robot.feet + np.array([0.0, 0.0, robot.foot_lift])
+    standing = (mirrors * (frames - robot.base_position - hips)).mean(axis=0)
     if robot.foot_coordinates == 4:
         lower.append(robot.file.foot.yaw[0])
         upper.append(robot.file.foot.yaw[1])

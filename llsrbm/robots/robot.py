@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 # What of a robot file no plan depends on.
 _NOT_OF_PLANS: Any = {
-    **dict.fromkeys(("control", "uncertainty", "example"), True),
+    **dict.fromkeys(("control", "uncertainty", "example", "link_pairs"), True),
     "turning": {"axes": True},
 }
 
@@ -53,8 +53,8 @@ class Leg:
 class Robot:
     """A robot as the rest of the library sees it: L legs, J joints.
 
-    The default posture stands level on the ground, the lowest foot at z = 0, the CoM above the
-    world's origin; soles lie flat, the CoM above what they span.
+    The default posture stands level on the ground, the lowest foot's lowest point at z = 0, the CoM
+    above the world's origin; soles lie flat, the CoM above what they span.
 
     Attributes:
         file: the robot file's content; path: where it lies.
@@ -66,7 +66,10 @@ class Robot:
         joint_names: (J,) Pinocchio's order, without the root.
         posture: (nq,) default posture, Pinocchio's convention (quaternion x, y, z, w).
         mass, com, inertia: kg, (3,) m, (3, 3) kg m2 about the CoM; world frame, default posture.
-        feet: (L, 3) m; base_position: (3,) m: origin of the root link.
+        feet: (L, 3) m, contact points of point feet, middles of soles; base_position: (3,) m:
+            origin of the root link.
+        foot_lift: m, of the feet's frames above what they stand on: of a ball its radius, where the
+            frame is its middle; of soles nothing. Plans take it for the same in all postures.
         load_fit: fits the leg maps, or takes them from the cache.
         turns_over: whether it is as the file's [turning] has it.
     """
@@ -87,6 +90,7 @@ class Robot:
     feet: Array
     base_position: Array
     load_fit: Callable[[Robot], LegFit]
+    foot_lift: float = 0.0
     turns_over: bool = False
 
     @property
@@ -123,6 +127,11 @@ class Robot:
     def speed_limit(self) -> Array:
         """(J,) rad/s or m/s, in the order of `joint_names`; the URDF's where the file has none."""
         return self._of_joints(self.file.limits.joint_speed, self.model.velocityLimit)
+
+    @cached_property
+    def joint_stops(self) -> Array:
+        """(2, J) rad or m: the URDF's lower and upper ends, in the order of `joint_names`."""
+        return np.array([self.model.lowerPositionLimit[7:], self.model.upperPositionLimit[7:]])
 
     @cached_property
     def sliding_joints(self) -> frozenset[str]:
@@ -201,6 +210,7 @@ class Robot:
             "com": self.com.tolist(),
             "inertia": self.inertia.tolist(),
             "feet": self.feet.tolist(),
+            "foot_lift": self.foot_lift,
             "base_position": self.base_position.tolist(),
             "hips": self.hips.tolist(),
             "mirrors": self.mirrors.tolist(),

@@ -150,6 +150,7 @@ class Limits(Table):
             or one for each joint of a leg, from the base outwards; the URDF's if left out.
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
         torque_share, speed_share: shares of them that a plan may use; the rest is for feedback.
+        stop_margin: what joints keep from either of the URDF's stops, a share of what lies between.
         friction: coefficient of friction; plans and the controller stay within the pyramid that is
             inscribed in its cone.
         foot_speed: largest foot speed in the world along each axis, m/s.
@@ -161,6 +162,7 @@ class Limits(Table):
     joint_speed: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
     torque_share: Positive = 0.85
     speed_share: Positive = 0.9
+    stop_margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.02
     friction: Positive
     foot_speed: Positive
     clearance: Length
@@ -291,6 +293,17 @@ class Uncertainty(Table):
     trunk_mass: Annotated[float, Field(ge=0, lt=1)] = 0.10
 
 
+class LinkPairs(Table):
+    """Pairs of links that must not touch, beside those that are found to be able to meet.
+
+    Attributes:
+        add, exclude: names of links of the URDF, two a pair.
+    """
+
+    add: tuple[tuple[str, str], ...] = ()
+    exclude: tuple[tuple[str, str], ...] = ()
+
+
 class RobotFile(Table):
     """A robot file's content.
 
@@ -317,6 +330,7 @@ class RobotFile(Table):
     control: Control = Control()
     uncertainty: Uncertainty = Uncertainty()
     turning: Turning | None = None
+    link_pairs: LinkPairs = LinkPairs()
     planning: dict[str, Length] = Field(default_factory=dict)
 
     @property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -154,16 +155,55 @@ def collision_geometry(
     model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
 ) -> list[pin.GeometryObject]:
     """A URDF's collision geometry, placed in the frames of the model's joints."""
+    return _geometry(model, urdf_path, package_dirs, path, pin.GeometryType.COLLISION)
+
+
+def visual_geometry(
+    model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
+) -> list[pin.GeometryObject]:
+    """A URDF's visual geometry, in the same way."""
+    return _geometry(model, urdf_path, package_dirs, path, pin.GeometryType.VISUAL)
+
+
+def _geometry(
+    model: pin.Model,
+    urdf_path: Path,
+    package_dirs: tuple[Path, ...],
+    path: Path,
+    kind: pin.GeometryType,
+) -> list[pin.GeometryObject]:
+    folders = [str(directory) for directory in package_dirs]
     try:
-        geometry = pin.buildGeomFromUrdf(
-            model,
-            str(urdf_path),
-            pin.GeometryType.COLLISION,
-            package_dirs=[str(directory) for directory in package_dirs],
-        )
+        geometry = pin.buildGeomFromUrdf(model, str(urdf_path), kind, package_dirs=folders)
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
         raise RobotFileError(
-            f"{path}: urdf: the collision geometry of {urdf_path} cannot be read: {reason}"
+            f"{path}: urdf: the {kind.name.lower()} geometry of {urdf_path} cannot be read: "
+            f"{reason}"
         ) from error
     return list(geometry.geometryObjects)
+
+
+def mesh_files(urdf_path: Path) -> list[str]:
+    """Names of the meshes in a URDF."""
+    urdf = urdf_path.read_text(encoding="utf-8")
+    return re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf)
+
+
+def mesh_path(urdf_path: Path, package_dirs: tuple[Path, ...], name: str) -> Path | None:
+    """The file of a mesh; None if it is missing."""
+    relative = name.removeprefix("package://").removeprefix("file://")
+    candidates = [urdf_path.parent / relative]
+    candidates += [directory / relative for directory in package_dirs]
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def mesh_stamps(urdf_path: Path, package_dirs: tuple[Path, ...]) -> list[str]:
+    """Names, sizes and times of a URDF's meshes: they are read again when one of these changes."""
+    stamps = []
+    for name in mesh_files(urdf_path):
+        path = mesh_path(urdf_path, package_dirs, name)
+        if path is not None:
+            status = path.stat()
+            stamps.append(f"{name} {status.st_size} {status.st_mtime_ns}")
+    return stamps

@@ -1,9 +1,10 @@
-"""Contact forces and contact truth, a foot: MuJoCo's own contact sensors, read each step."""
+"""Contacts, read each step: force and truth a foot by MuJoCo's sensors, other links by its list."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import chain
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -15,15 +16,18 @@ _FOUND = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)
 _FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
 _NO_REDUCTION, _NET_FORCE = 0, 3  # of a sensor's contacts; the net force is in the world frame
 _WIDTH = 4  # numbers a geom of a foot: contacts found, force
+# First parts of the geoms' names. A contact's two ranks add up to more than one unless it is a foot
+# that meets the world.
+_WORLD = "world"
+_RANK = {_WORLD: 0, "foot": 1, "link": 2}
+_FOOT_ON_WORLD = 1
 
 
-def add_sensors(
-    spec: mujoco.MjSpec, feet: list[list[str]], trunk: str, untouched: Sequence[str] = ()
-) -> None:
+def add_sensors(spec: mujoco.MjSpec, feet: list[list[str]], untouched: Sequence[str] = ()) -> None:
     """Give a model, which must have no others, the sensors that `ContactReader` reads.
 
-    `feet`: each foot's geoms, as many for all; `trunk`: the body with all other geoms that can
-    touch something; `untouched`: bodies in the world that nothing may touch.
+    `feet`: each foot's geoms, as many for all; `untouched`: bodies in the world that nothing may
+    touch.
     """
     for geom in chain.from_iterable(feet):
         spec.add_sensor(
@@ -33,14 +37,22 @@ def add_sensors(
             objname=geom,
             intprm=[_FOUND | _FORCE, _NET_FORCE, 1],
         )
-    for name, body in (("trunk", trunk), *((body, body) for body in untouched)):
+    for body in untouched:
         spec.add_sensor(
-            name=name,
+            name=body,
             type=mujoco.mjtSensor.mjSENS_CONTACT,
             objtype=mujoco.mjtObj.mjOBJ_BODY,
             objname=body,
             intprm=[_FOUND, _NO_REDUCTION, 1],
         )
+
+
+class Touch(NamedTuple):
+    """The robot touches something with another link than a foot, or itself."""
+
+    link: str  # of the robot
+    other: str  # another link, or "the ground", "the box"
+    trunk: bool  # whether the trunk, or what it carries, touches something that is not the robot
 
 
 class ContactReader:
@@ -49,17 +61,31 @@ class ContactReader:
     A step's contacts are those of the state it starts from, and its forces act until its end.
     """
 
-    def __init__(self, data: mujoco.MjData, legs: int, geoms: int, steps: int) -> None:
-        self._sensors = data.sensordata
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, legs: int, geoms: int, steps: int
+    ) -> None:
+        self._data, self._sensors = data, data.sensordata
         self._tick = np.zeros((steps, len(self._sensors)))
         width = _WIDTH * legs * geoms
         self._feet = self._tick[:, :width].reshape(steps, legs, geoms, _WIDTH)
         self._feet_rows = self._tick[:, :width]
-        self._trunk, self._untouched = self._tick[:, width], self._tick[:, width + 1 :]
+        self._untouched = self._tick[:, width:]
+        parts = [model.geom(geom).name.split("/") for geom in range(model.ngeom)]
+        self._names = [f"the {part[1]}" if part[0] == _WORLD else part[1] for part in parts]
+        self._rank = np.array([_RANK[part[0]] for part in parts])
+        self._of_base = model.geom_bodyid == model.jnt_bodyid[0]
+        self._touching: list[tuple[int, list[list[int]]]] = []
 
     def read(self, step: int) -> None:
         """Note the contacts of a step of the tick, after it."""
+        if step == 0:
+            self._touching.clear()
         self._tick[step] = self._sensors
+        if self._data.ncon:
+            geoms = self._data.contact.geom
+            others = np.add.reduce(self._rank.take(geoms), axis=1) > _FOOT_ON_WORLD
+            if np.logical_or.reduce(others):
+                self._touching.append((step, geoms[others].tolist()))
 
     def touched(self) -> NDArray[np.bool_]:
         """(S, L): whether each foot touched anything in each step."""
@@ -73,9 +99,15 @@ class ContactReader:
         force: Array = np.add.reduce(total[..., 1:], axis=1) * (-1.0 / len(self._tick))
         return force
 
-    def trunk_touched(self) -> bool:
-        """True if anything but the feet touched."""
-        return bool(np.logical_or.reduce(self._trunk))
+    def touches(self) -> dict[Touch, int]:
+        """Touches by other links than feet, and the first step of the tick that has each."""
+        first: dict[Touch, int] = {}
+        for step, pairs in self._touching:
+            for pair in pairs:
+                other, link = sorted(pair, key=lambda geom: self._rank[geom])
+                trunk = bool(self._rank[other] == 0 and self._of_base[link])
+                first.setdefault(Touch(self._names[link], self._names[other], trunk), step)
+        return first
 
     def untouched_touched(self) -> bool:
         """True if anything touched what nothing may touch."""

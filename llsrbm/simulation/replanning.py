@@ -82,7 +82,8 @@ class Replanning(Hook):
         self._first = plan.schedule.flights[0]
         for phase in range(self._first, len(plan.schedule)):
             if self._replanner.in_flight or not plan.schedule[phase].is_flight:
-                self._replanner.prepare(phase)
+                # Where answers come as late as they take, the first run is as good as the next.
+                self._replanner.prepare(phase, settled=self._measured)
         self._body = WholeBody(robot)
         self._soles = robot.foot_coordinates > 3
         self._tick = tick

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-import coal
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -15,7 +14,8 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.robots.feet import collision_shapes, foot_contacts
+from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 from llsrbm.simulation.contacts import add_sensors
@@ -30,16 +30,13 @@ CONTACT_IMPEDANCE = (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's default; results ha
 DAMPING_RATIO = 1.0  # of contacts: critical, no bouncing
 TORSION_AND_ROLLING = (0.005, 0.0001)  # m, MuJoCo's default; without effect at condim 3
 
-_WORLD, _ROBOT = 1, 2  # collision bits: the robot meets the world, never itself
+_WORLD, _ROBOT = 1, 2  # collision bits: the robot meets the world; itself by stated pairs alone
 _AWAY = np.array([0.0, 0.0, -100.0])  # m, where blocks are that do not stand in the world
 
-_SHAPES = {
-    coal.Sphere: (mujoco.mjtGeom.mjGEOM_SPHERE, lambda shape: [shape.radius, 0, 0]),
-    coal.Box: (mujoco.mjtGeom.mjGEOM_BOX, lambda shape: shape.halfSide),
-    coal.Cylinder: (
-        mujoco.mjtGeom.mjGEOM_CYLINDER,
-        lambda shape: [shape.radius, shape.halfLength, 0],
-    ),
+_TYPES = {
+    "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
 }
 
 
@@ -81,7 +78,7 @@ def build_scene(
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
     untouched = [block_body(block.name) for block in surroundings.blocks if block.untouched]
-    add_sensors(spec, foot_geoms(robot), robot_root(spec).name, untouched)
+    add_sensors(spec, foot_geoms(robot), untouched)
     model = compiled(spec, robot)
     joints = [model.joint(name) for name in robot.joint_names]
     return Scene(
@@ -105,7 +102,8 @@ def scene_spec(
 ) -> mujoco.MjSpec:
     """The robot in its surroundings, not compiled yet; arguments and errors as `build_scene`.
 
-    Feet are spheres and the trunk its collision shapes; nothing else of the robot collides.
+    Feet meet the world as spheres, everything else as the shapes of its link; shapes of links that
+    can meet touch each other (`llsrbm.robots.link_shapes`).
     Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
     `motors`: the joints in their order; None: that of `robot.joint_names`.
     """
@@ -129,7 +127,7 @@ def scene_spec(
     _set_inertias(spec, robot, disturbance.trunk_mass_factor)
     _add_motors(spec, robot.joint_names if motors is None else motors)
     _add_feet(spec, robot, touch)
-    _add_trunk(spec, root, robot, touch)
+    _add_links(spec, robot, touch)
     return spec
 
 
@@ -155,6 +153,11 @@ def foot_geoms(robot: Robot) -> list[list[str]]:
         [f"foot/{leg.name}/{i}" for i in range(len(contact.centres))]
         for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True)
     ]
+
+
+def link_geom(link: str, number: int) -> str:
+    """Name of the geom of a link's shape; `number` is unique among all shapes."""
+    return f"link/{link}/{number}"
 
 
 def block_body(name: str) -> str:
@@ -263,39 +266,45 @@ def _add_feet(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> No
             )
 
 
-def _add_trunk(
-    spec: mujoco.MjSpec, root: mujoco.MjsBody, robot: Robot, touch: dict[str, object]
-) -> None:
-    before = len(root.geoms)
-    for shape in collision_shapes(robot):
-        if shape.parentJoint != BASE_JOINT:
-            continue
-        name, geometry = f"trunk/{shape.name}", shape.geometry
-        form: dict[str, object]
-        if type(geometry) in _SHAPES:
-            kind, size = _SHAPES[type(geometry)]
-            form = {"type": kind, "size": size(geometry)}
-        elif isinstance(geometry, coal.BVHModelBase):
-            spec.add_mesh(name=name, uservert=np.ravel(geometry.vertices()))
-            form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
-        else:
-            continue
-        x, y, z, w = pin.Quaternion(shape.placement.rotation).coeffs()
-        root.add_geom(
-            name=name,
-            **form,
-            pos=shape.placement.translation,
-            quat=[w, x, y, z],
-            mass=0,
-            contype=_ROBOT,
-            conaffinity=_WORLD,
-            **touch,
-        )
-    if len(root.geoms) == before:
+def _add_links(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> None:
+    """The links' shapes, and the pairs of those that can meet.
+
+    Of a foot's link the world meets the spheres alone, or soles would stand on their hulls.
+    """
+    links = LinkShapes.of(robot)
+    if all(shape.joint != BASE_JOINT for shape in links.shapes):
         raise RobotFileError(
             f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision box, cylinder, "
             "sphere or mesh; expected one, or a fall on the trunk would go unnoticed"
         )
+    bodies = moving_bodies(spec, robot)
+    names = [link_geom(shape.link, k) for k, shape in enumerate(links.shapes)]
+    for name, shape in zip(names, links.shapes, strict=True):
+        form: dict[str, object]
+        if shape.kind == "hull":
+            spec.add_mesh(name=name, uservert=np.ravel(shape.points))
+            form = {"type": mujoco.mjtGeom.mjGEOM_MESH, "meshname": name}
+        else:
+            form = {"type": _TYPES[shape.kind], "size": shape.size}
+        x, y, z, w = pin.Quaternion(shape.rotation).coeffs()
+        bodies[shape.joint].add_geom(
+            name=name,
+            **form,
+            pos=shape.centre,
+            quat=[w, x, y, z],
+            mass=0,
+            contype=0 if shape.foot else _ROBOT,
+            conaffinity=0 if shape.foot else _WORLD,
+            **touch,
+        )
+    for one, other in links.shape_pairs:
+        spec.add_pair(geomname1=names[one], geomname2=names[other], **_of_pair(touch))
+
+
+def _of_pair(touch: dict[str, object]) -> dict[str, object]:
+    """A pair of geoms states for itself what else follows from both."""
+    sliding, torsion, rolling = np.array(touch["friction"])
+    return {**touch, "friction": [sliding, sliding, torsion, rolling, rolling]}
 
 
 def _refused(robot: Robot, error: ValueError) -> RobotFileError:

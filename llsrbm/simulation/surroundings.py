@@ -1,10 +1,10 @@
 """Surroundings of the robot: the ground, what it jumps from, over or onto, and a board.
 
 The lowest place is on the ground, every other on a block: the start on one called "block", a
-landing on a "box". A block stands from the start, as large as the feet of the lower places and the
-planned trunk leave room for. Where there is no room for one under all feet of its place, it comes
-in mid-flight, or goes then if it is the start's: `Surroundings.in_mid_flight` says so. A board is
-slid onto the last landing surface in mid-flight.
+landing on a "box". A block stands from the start, as large as the feet of the lower places, the
+planned trunk and the legs leave room for. Where there is no room for one under all feet of its
+place, it comes in mid-flight, or goes then if it is the start's: `Surroundings.in_mid_flight` says
+so. A board is slid onto the last landing surface in mid-flight.
 
 A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
 is deep. What touches a hurdle has not jumped over it.
@@ -16,7 +16,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import coal
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.trunk_and_knees import trunk_box
@@ -27,6 +29,7 @@ from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -179,10 +182,11 @@ def _standing(
     ground: float,
     radius: float,
 ) -> Block:
-    """The block under place `k`: from the start if feet and trunk leave room for it."""
+    """The block under place `k`: from the start if feet, legs and trunk leave room for it."""
     place = places[k]
     points = place.seen(place.points)
     lower = [place.seen(other.points) for other in places if other.height < place.height]
+    narrow: Block | None = None
     for share in EDGES:
         footprint: _Rectangle | None = _around(points, MARGIN)
         for beside in lower:
@@ -190,8 +194,15 @@ def _standing(
             footprint = None if footprint is None or apart is None else _common(footprint, apart)
         if footprint is not None:
             block = _block(place, name, footprint, ground, place.height)
-            if not _trunk_inside(robot, plan, block):
+            on_feet, until_half_way = _beside(plan, places, k)
+            if _trunk_inside(robot, plan, block) or _links_inside(robot, plan, block, on_feet):
+                continue
+            if not _links_inside(robot, plan, block, until_half_way):
                 return block
+            # Rather a block that the plan's legs run into than one that is not there.
+            narrow = narrow or block
+    if narrow is not None:
+        return narrow
     block = _block(place, name, _around(points, MARGIN), ground, place.height)
     # Of any place but the last it has to make room for a lower one that follows, too.
     goes = any(other.height < place.height for other in places[k + 1 :])
@@ -210,6 +221,27 @@ def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
     world = plan.base_position[:, None] + own @ np.swapaxes(rotation_matrices(plan.base_quat), 1, 2)
     seen = np.abs((world - block.centre) @ turns_about_z(np.array(block.yaw)))
     return bool((seen < block.size / 2).all(axis=-1).any())
+
+
+def _beside(
+    plan: Plan, places: Sequence[_Place], k: int
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """(N+1,) knots beside place `k` on the feet of others, and with the half of the flight."""
+    flight = places[max(k, 1)].flight
+    if k:
+        return plan.phase < flight, plan.time < _mid_flight(plan, places[k])
+    return plan.phase > flight, plan.time > _highest(plan, flight)
+
+
+def _links_inside(robot: Robot, plan: Plan, block: Block, knots: NDArray[np.bool_]) -> bool:
+    """Whether planned links but the feet reach into a block at some of the knots."""
+    if not knots.any():
+        return False
+    joints = plan.joint_position[:, [plan.joint_names.index(name) for name in robot.joint_names]]
+    postures = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), joints])[knots]
+    placement = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
+    least = LinkShapes.of(robot).clearance(postures, coal.Box(*block.size), placement)
+    return bool((least < 0).any())
 
 
 def _beside_obstacle(obstacle: Obstacle, places: Sequence[_Place]) -> tuple[float, list[Block]]:

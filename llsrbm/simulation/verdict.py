@@ -1,19 +1,19 @@
 """The outcome of a simulation: landed or fell, with its errors.
 
-Strict success: it stands, nothing but feet touched, and nothing a hurdle, every flight before the
-last ended on all feet that were to stand, every foot is within 50 mm of the plan horizontally, tilt
-ends below 2 deg and stayed below 15 deg after the last touchdown, it was not thrown up again for
-more than 30 ms, and the controller's program was solved in every tick; judged a second after the
-plan's end. A body that turns over comes down with several rad/s and has to lean against its turn as
-it lands: its tilt after touchdown counts from the planned attitude, at the end from the vertical as
-ever. The trunk and the feet alone have collision geometry: legs that pass through the ground or a
-box go unnoticed.
+Strict success: it stands, nothing but feet touched anything, no two links touched each other, and
+nothing a hurdle, every flight before the last ended on all feet that were to stand, every foot is
+within 50 mm of the plan horizontally, tilt ends below 2 deg and stayed below 15 deg after the last
+touchdown, it was not thrown up again for more than 30 ms, and the controller's program was solved
+in every tick; judged a second after the plan's end. A body that turns over comes down with several
+rad/s and has to lean against its turn as it lands: its tilt after touchdown counts from the planned
+attitude, at the end from the vertical as ever.
 
 Recovered: strict success but for where the feet are, which a push or a new plan rightly moves.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -30,6 +30,7 @@ from llsrbm.motion.outcome import SATURATED, Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot
+from llsrbm.simulation.contacts import Touch
 from llsrbm.simulation.episode import Fall, Recorder
 
 Array = NDArray[np.float64]
@@ -68,10 +69,10 @@ def judge(
     after = _after_touchdown(plan, columns, landing.time, tick)
     fall = fall or _not_standing(plan, columns, landing.time, at_end)
     unsolved = sum(not entry.command.solved for entry in recorder.ticks)
-    trunk_touched = any(result.trunk_contact for result in recorder.results)
+    touched = _touched(recorder)
     recovered = bool(
         fall is None
-        and not trunk_touched
+        and not touched
         and landing.rebounded_on_feet
         and at_end["final_tilt"] < FINAL_TILT
         and after["peak_tilt"] < PEAK_TILT
@@ -89,7 +90,8 @@ def judge(
         **after,
         **_at_touchdown(plan, columns, landing),
         **_of_drives(robot, plan, recorder, columns),
-        trunk_touched=trunk_touched,
+        trunk_touched=any(result.trunk_contact for result in recorder.results),
+        touched=touched,
         unsolved_ticks=unsolved,
         tick_median_s=float(np.median(recorder.tick_times)),
         tick_p99_s=float(np.percentile(recorder.tick_times, 99)),
@@ -102,10 +104,22 @@ def judge(
     )
 
 
+def _touched(recorder: Recorder) -> str:
+    """Which links but the feet touched what, and when first; "" if none did."""
+    first: dict[Touch, float] = {}
+    for result in recorder.results:
+        for touch, time in result.touches:
+            first.setdefault(touch, time)
+    return "; ".join(
+        f"{touch.link} touched {touch.other} at {time:.2f} s" for touch, time in first.items()
+    )
+
+
 @dataclass(frozen=True)
 class _Landing:
     feet: list[float | None]  # s, the first contact of each foot after the last flight
     time: float | None  # the earliest
+    lift_off: float | None  # s, of the last flight; None where it was not reached
     planned: float  # s, of the last flight
     detected: float | None  # s, of the last flight
     false: int  # how many flights' touchdowns were detected before they came
@@ -124,6 +138,7 @@ class _Landing:
         return cls(
             feet=feet,
             time=_first(feet),
+            lift_off=flights[-1].lift_off if reached else None,
             planned=flights[-1].touchdown if reached else plan.touchdown,
             detected=flights[-1].detected if reached else None,
             false=sum(map(_is_false, flights, contacts)),
@@ -170,11 +185,14 @@ def _at_touchdown(plan: Plan, columns: dict[str, Any], landing: _Landing) -> dic
     def index(instant: float) -> int:
         return min(int(np.searchsorted(time, instant)), len(time) - 1)
 
-    yaw_error = None
-    if landing.time is not None:
-        at, knot = index(landing.time), int(np.searchsorted(plan.time, plan.touchdown - 1e-9))
-        quat = columns["base_quat"][[at]]
-        yaw_error = float(turned(quat, plan.base_quat[[knot]])[0])
+    knot = int(np.searchsorted(plan.time, plan.touchdown - 1e-9))
+
+    def yaw_error(instant: float | None) -> float | None:
+        if instant is None:
+            return None
+        quat = columns["base_quat"][[index(instant)]]
+        return float(turned(quat, plan.base_quat[[knot]])[0])
+
     off = _feet_off(plan, columns)
     missed = [float(off[index(at), foot]) for foot, at in enumerate(landing.feet) if at is not None]
     return {
@@ -183,9 +201,26 @@ def _at_touchdown(plan: Plan, columns: dict[str, Any], landing: _Landing) -> dic
         "touchdown_detected_s": landing.detected,
         "foot_touchdown_s": tuple(landing.feet),
         "false_touchdowns": landing.false,
-        "yaw_error_at_touchdown": yaw_error,
+        "yaw_error_at_touchdown": yaw_error(landing.time),
+        "yaw_error_at_planned_touchdown": (
+            None
+            if landing.lift_off is None or time[-1] < landing.planned
+            else yaw_error(landing.planned)
+        ),
+        **_turning(columns, landing),
         "foot_error_at_touchdown": max(missed, default=None),
     }
+
+
+def _turning(columns: dict[str, Any], landing: _Landing) -> dict[str, Any]:
+    """How far the base was from the yaw that was tracked, at lift-off and by the flight."""
+    time, until = columns["time"], min(landing.planned, landing.time or math.inf)
+    if landing.lift_off is None or time[-1] < until:
+        return {}
+    first, last = np.searchsorted(time, [landing.lift_off - 1e-9, until - 1e-9])
+    at = [first, max(first, last - 1)]  # before there is ground, or a reference that stands still
+    lift_off, end = turned(columns["base_quat"][at], columns["reference_base_quat"][at])
+    return {"yaw_error_at_lift_off": float(lift_off), "yaw_error_in_flight": float(end - lift_off)}
 
 
 def _of_drives(

@@ -18,7 +18,7 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
-from llsrbm.simulation.contacts import ContactReader
+from llsrbm.simulation.contacts import ContactReader, Touch
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import surroundings
 
@@ -50,8 +50,14 @@ class TickResult:
     # (J,) most that the drives could give at their speed, in the torque's direction; mean of the
     # tick.
     torque_limit: Array
-    trunk_contact: bool  # whether anything but the feet touched
+    # What else than a foot touched, and when first, s: in the order of these times.
+    touches: tuple[tuple[Touch, float], ...]
     obstacle_contact: bool  # whether anything touched what is to be jumped over
+
+    @property
+    def trunk_contact(self) -> bool:
+        """True if the trunk, or what it carries, touched something that is not the robot."""
+        return any(touch.trunk for touch, _ in self.touches)
 
     @classmethod
     def unknown(cls, legs: int, joints: int) -> TickResult:
@@ -62,7 +68,7 @@ class TickResult:
             first_contact=np.full(legs, np.nan),
             torque=np.zeros(joints),
             torque_limit=np.zeros(joints),
-            trunk_contact=False,
+            touches=(),
             obstacle_contact=False,
         )
 
@@ -120,7 +126,9 @@ class World:
         self._joints = self.scene.v_order[6:]
         self.joint_order = np.argsort(self._joints)
         self._drives = Drives(robot, disturbance.torque_delay_ticks)
-        self._contacts = ContactReader(self._data, len(robot.legs), len(robot.corners), self._steps)
+        self._contacts = ContactReader(
+            self._model, self._data, len(robot.legs), len(robot.corners), self._steps
+        )
         self._torque, self._limit = np.zeros((2, self._steps, len(robot.joint_names)))
         # MuJoCo's acts on the CoM of the body, whose inertia is that of the trunk alone.
         self._wrench = self._data.xfrc_applied[self._model.jnt_bodyid[0]]
@@ -192,7 +200,8 @@ class World:
             raise Diverged(self._cause())
         touched = self._contacts.touched()
         contact: NDArray[np.bool_] = np.logical_or.reduce(touched)
-        first = self.time + touched.argmax(axis=0) * (self.tick / self._steps)
+        start = self.time
+        first = start + touched.argmax(axis=0) * (self.tick / self._steps)
         self._ticks += 1
         return TickResult(
             contact_force=self._contacts.mean_force(),
@@ -200,7 +209,10 @@ class World:
             first_contact=np.where(contact, first, np.nan),
             torque=np.add.reduce(self._torque, axis=0) / self._steps,
             torque_limit=np.add.reduce(self._limit, axis=0) / self._steps,
-            trunk_contact=self._contacts.trunk_touched(),
+            touches=tuple(
+                (touch, start + step * self.tick / self._steps)
+                for touch, step in self._contacts.touches().items()
+            ),
             obstacle_contact=self._contacts.untouched_touched(),
         )
 

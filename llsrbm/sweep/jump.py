@@ -131,11 +131,26 @@ def _planner(point: Point) -> Planner:
 def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
     try:
         plan = plan_of(spec, point)
-        return {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}, plan
+        row = {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}
+        if spec.certified:
+            row |= _certificate(plan, _robot(point))
+        return row, plan if row["status"] == rows.PLANNED else None
     except NotConverged as error:
         return {**_stop(error, spec.diagnose), **_solve(error.plan)}, None
     except Exception as error:  # noqa: BLE001  # a sweep goes on, and the row has the error
         return _failure(error), None
+
+
+def _certificate(plan: Plan, robot: Robot) -> Row:
+    """With the drives of the point, which the plan was made for."""
+    from llsrbm.certificate import certify
+
+    certificate = certify(plan, robot)
+    row: Row = {
+        "certified": certificate.holds,
+        "uncertified": [found.name for found in certificate.broken],
+    }
+    return row if certificate.holds else {**row, "status": rows.NOT_CERTIFIED}
 
 
 def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Row:
@@ -185,7 +200,7 @@ def _stop(error: NotConverged, diagnosed: bool) -> Row:
     if diagnosed and error.stops and error.stops[0].limit is not None:
         stop = error.stops[0]
         row |= {"stopped_by": stop.limit, "stop_limit": stop.limit}
-        row |= {"stop_value": stop.value, "stop_needed": stop.needed}
+        row |= {"stop_value": stop.value, "stop_needed": stop.needed if stop.amount else None}
     return row
 
 

@@ -31,11 +31,12 @@ Row = dict[str, Any]
 """Column name -> value; a name that is missing is null."""
 
 PLANNED, NOT_PLANNED, REFUSED = "planned", "not planned", "refused"
-TIMED_OUT, FAILED = "timed out", "failed"
-STATUSES = (PLANNED, NOT_PLANNED, REFUSED, TIMED_OUT, FAILED)
-"""A plan satisfies every constraint; none was found; the request is out of range or contradictory;
-no result within the limit of time; anything else, such as a process that died. A simulated jump is
-planned."""
+NOT_CERTIFIED, TIMED_OUT, FAILED = "not certified", "timed out", "failed"
+STATUSES = (PLANNED, NOT_PLANNED, NOT_CERTIFIED, REFUSED, TIMED_OUT, FAILED)
+"""A plan satisfies every constraint; none was found; there is one whose certificate does not hold,
+and certified ones are demanded: it is neither simulated nor kept; the request is out of range or
+contradictory; no result within the limit of time; anything else, such as a process that died. A
+simulated jump is planned."""
 
 TEXT, WHOLE, NUMBER, FLAG, NUMBERS, NAMED = "text", "whole", "number", "flag", "numbers", "named"
 TEXTS = "texts"
@@ -76,7 +77,9 @@ _PLAN = (
     Column("constraint", TEXT, "", "the constraint that the nearest try violates most"),
     Column("stop_limit", TEXT, "", "diagnosed: the limit that would have to change"),
     Column("stop_value", NUMBER, "SI", "diagnosed: the value of that limit"),
-    Column("stop_needed", NUMBER, "SI", "diagnosed: the value that it would need"),
+    Column(
+        "stop_needed", NUMBER, "SI", "diagnosed: the value that it would need, if one alone does"
+    ),
     Column("message", TEXT, "", "the error"),
     Column("iterations", WHOLE, "", "of the solve that counts"),
     Column("attempts", WHOLE, "", "how many guesses were tried"),
@@ -102,6 +105,8 @@ _PLAN = (
     Column("friction_share", NUMBER, "1", "largest tangential / normal force of a loaded contact"),
     Column("friction_margin", NUMBER, "1", "coefficient of friction minus that"),
     Column("peak_force", NUMBER, "N", "largest force at a contact"),
+    Column("certified", FLAG, "", "whether the certificate holds, where it is demanded"),
+    Column("uncertified", TEXTS, "", "checks of the certificate that do not hold, likewise"),
     Column("violation", NUMBER, "SI", "the largest violation, in its constraint's unit"),
     Column("violations", NAMED, "SI", "constraint -> its largest violation, where not planned"),
     Column("solve_time_s", NUMBER, "s", "inside the solver, the same in all rows of a jump"),
@@ -109,7 +114,10 @@ _PLAN = (
 )
 # Names and types of outcomes are those of `Outcome`.
 _OUTCOMES_OF_UNITS = {
-    "rad": ("final_yaw_error", "final_tilt", "yaw_error_at_touchdown", "peak_tilt"),
+    "rad": (
+        *("final_yaw_error", "final_tilt", "peak_tilt", "yaw_error_at_touchdown"),
+        *("yaw_error_at_lift_off", "yaw_error_in_flight", "yaw_error_at_planned_touchdown"),
+    ),
     "m": ("final_position_error", "foot_error_at_touchdown", "foot_error"),
     "m/s": ("final_speed",),
     "rad/s": ("takeoff_joint_speed",),

@@ -205,6 +205,7 @@ class Spec(Table):
     patient: bool = True  # plans are tried from other guesses where the analytic one fails
     diagnose: bool = False
     trajectories: bool = False  # planned motions are kept, as list columns
+    certified: bool = False  # plans whose certificate does not hold are rows, and no more
 
     @model_validator(mode="after")
     def _check(self) -> Self:

@@ -5,11 +5,16 @@ from __future__ import annotations
 import base64
 import contextlib
 import io
+import re
 import shutil
 
 import numpy as np
 from PIL import Image
+from playwright.sync_api import TimeoutError as BrowserTimeout
 from playwright.sync_api import sync_playwright
+
+from app.tab.planning import ANSWERS
+from tests.app.waits import wait_until
 
 FLAGS = (
     "--headless",
@@ -27,7 +32,8 @@ VIEW = {"width": 1280, "height": 800}
 PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
 BASE = "/links/base"  # of the first robot that a page draws
-COMPARE = "Figures"  # the tab with pins
+FOLDERS = ("Scenario", "Limits", "Atlas", "Help")  # of the panel; all but the first in More
+COMPARE = "Results"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
 # Drawing in software takes a processor: the scene is drawn while a test looks at it, and only then.
@@ -109,7 +115,7 @@ def opened(browser, url, view=VIEW, *, tour=False, **options):
         context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
     page = context.new_page()
     page.faults, page.heard = [], []
-    page.on("pageerror", lambda error: page.faults.append(str(error)))
+    page.on("pageerror", lambda error: page.faults.append(error.stack or str(error)))
     page.on(
         "request",
         lambda request: (
@@ -132,15 +138,36 @@ def tab(page, name):
         page.wait_for_timeout(PACE)
 
 
+def unfold(page, name):
+    """Open a folder of the panel."""
+    if name != "Scenario":
+        tab(page, "More")
+    title = page.get_by_role("button", name=name, exact=True)
+    if title.get_attribute("aria-expanded") != "true":
+        title.click()
+        page.wait_for_timeout(PACE)
+
+
 def press(page, name):
     page.get_by_role("button", name=name, exact=True).click()
     page.wait_for_timeout(PACE)
 
 
 def choose(page, label, value):
-    """Choose an option of a dropdown."""
-    page.get_by_label(label, exact=True).click()
-    page.get_by_role("option", name=value, exact=True).click()
+    """Choose an option of a dropdown, opening it again where a redrawn panel has closed it."""
+    box = page.get_by_label(label, exact=True)
+    option = page.get_by_role("option", name=value, exact=True)
+
+    def chosen():
+        if not option.is_visible():
+            box.click()
+        try:
+            option.click(timeout=2000)
+        except BrowserTimeout:
+            return False
+        return True
+
+    wait_until(chosen, f"the option {value}")
     page.wait_for_timeout(PACE)
 
 
@@ -194,20 +221,14 @@ def picture(page):
 
 
 def dark(pixels):
-    """Mask of what is nearly black: ANYmal's legs and trunk."""
-    return pixels.max(axis=2) < 70
+    """Mask of what is darker than sky and floor: ANYmal's legs and trunk."""
+    return pixels.max(axis=2) < 110
 
 
 def green(pixels):
     """Mask of the landing marks' colour."""
     r, g, b = np.moveaxis(pixels, -1, 0)
     return (g > r + 50) & (g > b + 30)
-
-
-def blue(pixels):
-    """Mask of the planned ellipsoid and of the ghost; the sky is paler."""
-    r, _, b = np.moveaxis(pixels, -1, 0)
-    return b > r + 70
 
 
 def number(page, label):
@@ -222,7 +243,9 @@ def fill(page, label, value):
 
 
 def status(page, word, timeout=20_000):
-    line = page.get_by_role("status").filter(has_text=word)
+    """Wait for a status; an answer that is still being refined does not count."""
+    state = '[aria-busy="false"]' if word.split()[0].rstrip(".") in ANSWERS else ""
+    line = page.locator(f'[role="status"]{state}').filter(has_text=re.compile(rf"^\s*{word}"))
     line.wait_for(timeout=timeout)
     text = line.inner_text()
     assert text.startswith(word)

@@ -22,7 +22,7 @@ def designer():
 @pytest.fixture
 def tab(designer):
     with RawTab(designer.port) as opened:
-        opened.wait_for_status("Planned")
+        opened.wait_for_status("Feasible")
         yield opened
 
 

@@ -42,6 +42,7 @@ class DesignPage:
             choose_example=lambda design: self.told.put(("example", design)),
             open_file=lambda name, content: self.told.put(("upload", name, content)),
         )
+        controls.add_progress()
         controls.add_tab()
 
         self.tabs.put((client, controls))

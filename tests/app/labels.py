@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from tests.app.chromium import FOLDERS, unfold
+
 _VISIBLE = """() => [...document.querySelectorAll("label, button, [role=tab]")]
   .filter((e) => e.getClientRects().length && !e.closest("[data-dock-area] canvas"))
   .map((e) => (e.getAttribute("aria-label") || e.innerText).trim())
@@ -10,7 +12,11 @@ _VISIBLE = """() => [...document.querySelectorAll("label, button, [role=tab]")]
 
 def labels(page):
     """Labels of boxes, fields, buttons and tabs, of every tab of the panel: sorted, each once."""
+    page.get_by_role("button", name="Pause", exact=True).wait_for()  # it opens playing
+    page.get_by_role("button", name="Copy as SVG").first.wait_for()  # of its first chart
     found = set(page.evaluate(_VISIBLE))
+    for folder in FOLDERS:
+        unfold(page, folder)
     for tab in page.locator("[data-dock-area^=gui-tabs]").get_by_role("tab").all():
         tab.click()
         found.update(page.evaluate(_VISIBLE))

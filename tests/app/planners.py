@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,13 +15,12 @@ from app.workers.file_reading import open_file
 from app.workers.opened_file import OpenedFile, States
 from app.workers.worker import exported
 from llsrbm import errors
+from llsrbm.certificate import Certificate, Finding
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_of_states
-from llsrbm.request.jump import Jump
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
-from tests.app.synthetic_plan import synthetic_plan
+from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
@@ -29,12 +28,10 @@ SLOW = math.radians(51)  # works one second, asks whether to stop
 STUBBORN = math.radians(52)  # works for a minute and never asks
 CRASH = math.radians(53)  # the process dies
 DEFECT = math.radians(54)  # an exception that is no llsrbm.Error
-UNSOLVABLE = math.radians(55)  # NotConverged with a plan
+UNSOLVABLE = math.radians(55)  # NotConverged, and no nearest
 REFUSED = math.radians(56)  # InputError
 ITERATING = math.radians(57)  # works one second, telling every iteration, asks whether to stop
-
-# Searches know SLOW (five seconds), STUBBORN and UNSOLVABLE (straight up nothing is found); the
-# others find the jump with half the twist.
+FARTHEST = math.radians(-150)  # NotConverged beyond, with this twist as the nearest
 
 # Seeds of simulations:
 SLOWLY = 51  # takes five seconds, asks whether to stop
@@ -46,11 +43,13 @@ TRIPPING = 55  # the robot falls before it has left the ground
 SLOW_PAD = 9.9  # s before and after, of an export that takes a minute and never asks
 
 
-@dataclass(frozen=True)
-class Nearest:
-    jump: Jump
-    plan: Plan
-    changes: str
+CERTIFICATE = Certificate(
+    (
+        Finding("joint_speed", 1.164, 30.1, "rad/s", "FL_calf_joint", 0.74, False, 1.01),
+        Finding("slip", 0.0004, 0.01, "m", "RL", 0.3, True, 0.01),
+        Finding("dynamics", None, None, "N", "", None, None, why="pushes act beside the contacts"),
+    )
+)
 
 
 class SyntheticPlanner:
@@ -81,6 +80,14 @@ class SyntheticPlanner:
                 "no convergence: reach violated in flight by 0.02 m",
                 synthetic_plan(jump, "not-converged"),
             )
+        elif jump.twist < FARTHEST:
+            nearest = replace(synthetic_plan(replace(jump, twist=FARTHEST)), tuning=task.tuning)
+            raise errors.NotConverged(
+                "no convergence: leg_drives violated",
+                synthetic_plan(jump, "not-converged"),
+                nearest=nearest,
+                reason="RH_HAA needs 107 Nm at lift-off, it has 34",
+            )
         elif is_(jump, REFUSED):
             raise InputError("twist: expected -1 to 1 rad, got more")
         if log := os.environ.get("PLANNED_LOG"):
@@ -88,18 +95,9 @@ class SyntheticPlanner:
                 file.write(f"{os.getpid()} {jump.model}\n")
         return replace(synthetic_plan(jump), tuning=task.tuning)
 
-    def nearest(self, task, progress, cancelled):
-        jump = task.jump
-        progress("trying less of the twist")
-        if is_(jump, SLOW):
-            work(5.0, cancelled)
-        elif is_(jump, STUBBORN):
-            time.sleep(60)
-        elif is_(jump, UNSOLVABLE) and not jump.forward:
-            raise errors.Error("contact_force: nothing can be planned within 10 N")
-        nearer = replace(jump, twist=jump.twist / 2)
-        changes = f"twist {math.degrees(nearer.twist):g} deg instead"
-        return Nearest(nearer, synthetic_plan(nearer), changes)
+    def refine(self, task, progress, cancelled):
+        progress("refining", iteration=3, residual=0.1)
+        return refined_plan(task.plan)
 
     def simulate(self, task, progress, so_far, cancelled):
         seed = task.scenario.seed
@@ -135,6 +133,10 @@ class SyntheticPlanner:
         if task.name == "foreign.csv":
             return OpenedFile(task.name, turning_states(task.robot))
         return open_file(task.name, task.content, task.robot, task.fps)
+
+    def check(self, task, progress):
+        progress("checking the motion at 1 kHz")
+        return CERTIFICATE
 
     def export(self, task, progress):
         progress(f"writing {task.formats}")

@@ -16,6 +16,7 @@ import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
+from app.tab.planning import ANSWERS
 from tests.app.page_script import PageScript
 
 CAMERA = {
@@ -114,11 +115,14 @@ class RawTab:
         return unescape(re.sub(r"<[^>]*>", "\n", html))
 
     def status(self):
+        return " ".join(unescape(re.sub(r"<[^>]*>", "", self._status_html())).split())
+
+    def _status_html(self):
         with self._changed:
             for message in self.controls.values():
                 content = message["props"].get("content", "")
                 if 'role="status"' in content:
-                    return unescape(re.sub(r"<[^>]*>", "", content))
+                    return content
         return ""
 
     def wait(self, condition, what, timeout=20.0):
@@ -130,7 +134,13 @@ class RawTab:
                 self._changed.wait(min(left, 0.2))
 
     def wait_for_status(self, word, timeout=20.0):
-        self.wait(lambda: self.status().startswith(word), f"status {word}", timeout)
+        """An answer that is still being refined does not count."""
+
+        def settled():
+            busy = 'aria-busy="true"' in self._status_html()
+            return self.status().startswith(word) and not (busy and word in ANSWERS)
+
+        self.wait(settled, f"status {word}", timeout)
         return self.status()
 
     # ---- inside
@@ -236,7 +246,7 @@ def choose(tab, session, robot):
     """Have a tab show another robot, and wait for its plan."""
     tab.set("Robot", robot)
     planned(tab, session, lambda jump: jump.robot == robot, f"a plan of {robot}")
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
 
 
 def pinned(tab):

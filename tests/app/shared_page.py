@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from app.link import BesideChosen
 from app.panel.acts import Act
 from app.panel.view_controls import View
 from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT
-from app.tab.opening import TabOpened, first_state
+from app.tab.refining import WholeBody
+from app.tab.simulating import Automatically
+from app.tab.start.opening import TabOpened, first_state
 from tests.app.chromium import BASE, VIEW, opened, status, tab
 from tests.app.synthetic_plan import synthetic_plan
 from tests.app.waits import wait_until
@@ -24,7 +27,7 @@ def visit(browser, designer, view=VIEW, **options):
 
 def shows_motion(page):
     """Wait until there is a robot that can be played."""
-    status(page, "Planned")
+    status(page, "Feasible")
     page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{BASE}'] && llsrbm.player.clip")
 
 
@@ -42,10 +45,13 @@ def find_session(page):
 
 _AT_REST = """() => {
   document.activeElement?.blur();
+  document.querySelectorAll(".mantine-Paper-root > .mantine-Paper-root[aria-expanded=true]")
+    .forEach((title) => title.click());
   document.getElementById("llsrbm-dialog").close();
   const { player, camera, transport } = llsrbm;
   player.pause();
   player.setLoop(true);
+  player.setRange(null);
   player.setSpeed(1);
   player.seek(0);
   camera.setFollows(false);
@@ -60,7 +66,7 @@ def fresh(page):
     page.evaluate("llsrbm.player.pause()")  # playing takes the processor from others
     faults = page.faults[:]
     page.faults.clear()
-    assert faults == []
+    assert not faults, faults  # said here: pytest explains only the asserts of test modules
 
 
 def _begin(page):
@@ -75,7 +81,10 @@ def _begin(page):
     design = first_state(session.state.robots).design
     plan = synthetic_plan(design.jump)
     for event in (
+        BesideChosen(False),
         *[Act.UNPIN] * len(session.state.pins),
+        Automatically(False),
+        WholeBody(False),
         View(AT_FIRST, night=False),
         DEFAULT,
         design,
@@ -88,7 +97,7 @@ def _begin(page):
     tab(page, "View")
     page.mouse.move(10, 10)
     wait_until(lambda: session.plan is plan and session.rollout is None, "the example's plan")
-    status(page, "Planned")
+    status(page, "Feasible")
     clip = [design.jump.robot, design.jump.twist, plan.duration]
     page.wait_for_function(
         "([robot, twist, end]) => { const { request, end: last } = llsrbm.player.clip;"

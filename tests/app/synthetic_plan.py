@@ -5,13 +5,14 @@ Of several flights each is like the first; phases between flights share the time
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Plan, SolveReport, Violation
+from llsrbm.motion.plan import Plan, Refinement, SolveReport, Violation
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import schedule_of
 from llsrbm.request.schedule import Schedule
@@ -121,3 +122,8 @@ def _starts(schedule: Schedule) -> list[float]:
         before = max((f for f in schedule.flights if f < k), default=-1)
         starts.append(starts[-1] + STAND / (following - before - 1))
     return starts
+
+
+def refined_plan(plan, status="solved"):
+    """As a second stage on the whole body's dynamics leaves it."""
+    return replace(plan, refinement=Refinement(status, 9, 0.1, 0.1, 0.0, 1.0))

@@ -1,4 +1,4 @@
-"""axe-core over the page: in four tabs, on a desk by day and on an upright tablet by night.
+"""axe-core over the page: all tabs and folders, on a desk by day and on an upright tablet by night.
 
 Nothing serious or critical is found, in viser's controls neither: static/accessibility.js and
 static/panel.js supply the names and contrasts that viser lacks.
@@ -10,13 +10,13 @@ from importlib.resources import files
 
 import pytest
 
-from tests.app.chromium import PACE
+from tests.app.chromium import FOLDERS, PACE, tab, unfold
 from tests.app.shared_page import visit
 
 pytestmark = pytest.mark.browser
 
 DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
-TABS = ("View", "Scenario", "Atlas", "Limits")
+PLACES = ("View", "Results", "Plots", "Files", "Scenario", "Limits", "Atlas", "Help")
 
 RUN = """async () => {
   const found = await axe.run(document, {
@@ -42,10 +42,10 @@ def page(browser, designer):
 
 def findings(page):
     found = {}
-    for tab in TABS:
-        page.get_by_role("tab", name=tab).click()
+    for place in PLACES:
+        (unfold if place in FOLDERS else tab)(page, place)
         page.wait_for_timeout(600)
-        found |= dict.fromkeys((line, tab) for line in page.evaluate(RUN))
+        found |= dict.fromkeys((line, place) for line in page.evaluate(RUN))
     return list(found)
 
 
@@ -54,8 +54,8 @@ def findings(page):
 )
 def test_nothing_serious_is_found(page, view, night):
     page.set_viewport_size(view)
-    page.get_by_role("tab", name="View").click()
-    box = page.get_by_label("Night", exact=True)
+    tab(page, "View")
+    box = page.get_by_label("Dark mode", exact=True)
     if box.is_checked() != night:
         box.set_checked(night)
         scheme = "dark" if night else "light"

@@ -20,7 +20,7 @@ import pytest
 
 import app.designer
 from app.designer import Designer, check_bindable, serve
-from app.tab.initial_plan import example
+from app.tab.start.initial_plan import example
 from app.workers.pool import WorkerPool
 from llsrbm import cli
 from llsrbm.errors import InputError
@@ -86,7 +86,7 @@ def test_an_address_that_cannot_be_bound_is_refused(host, port, message):
 def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path, monkeypatch):
     # Apart from the cache of fits, which takes long to fill.
     entry = tmp_path / "opening.npz"
-    monkeypatch.setattr("app.tab.initial_plan.cache_path", lambda *_: entry)
+    monkeypatch.setattr("app.tab.start.initial_plan.cache_path", lambda *_: entry)
     ready = threading.Event()
     monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
     with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
@@ -110,8 +110,8 @@ def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
             ready.set()
 
     monkeypatch.setattr("builtins.print", take)
-    monkeypatch.setattr("app.tab.initial_plan.InitialPlans.recall", lambda *_: None)
-    monkeypatch.setattr("app.tab.initial_plan.InitialPlans.keep", lambda *_: None)
+    monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.recall", lambda *_: None)
+    monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.keep", lambda *_: None)
     monkeypatch.setattr("app.designer.example", lambda robot: Jump(twist=planners.ITERATING))
     with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
         designer.warm_up("anymal")

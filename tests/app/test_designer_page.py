@@ -32,20 +32,37 @@ def pose(page, node):
     )
 
 
+HANDLE = """() => {
+  const found = new Set();
+  window.__viserMutable.nodeRefFromName["/goal"]?.traverse(({ material, visible }) =>
+    visible && material?.color && found.add(material.color.getHexString()));
+  return [...found];
+}"""
+
+
+def test_the_landing_handle_has_the_colour_of_the_landing(page):
+    target = "".join(f"{part:02x}" for part in colours.TARGET)
+    wait_until(lambda: page.evaluate(HANDLE) == [target], "the colour")
+    tick(page, "Landing handle", ticked=False)
+    wait_until(lambda: page.evaluate(HANDLE) == [], "no handle")
+    tick(page, "Landing handle")
+    wait_until(lambda: page.evaluate(HANDLE) == [target], "the colour again")
+
+
 def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     tab(page, COMPARE)
     press(page, "Pin")
     wait_until(lambda: pose(page, "/pinned/1/base"), "the ghost")
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
-    status(page, "Planned")
+    status(page, "Feasible")
     both = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
     wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
     paused_at(page, 1.25)
     apart = np.subtract(pose(page, base_node(page)), pose(page, "/pinned/1/base"))
     assert apart == pytest.approx([0.4, 0, 0], abs=0.01)
     # A column for what is shown and one for what is pinned, in the colour of its ghost.
-    table = page.locator("table").filter(has=page.locator('th[scope="col"]'))
+    table = page.locator("table:visible").filter(has=page.locator('th[scope="col"]'))
     table.scroll_into_view_if_needed()
     titles = [head.get_attribute("title") for head in table.locator('th[scope="col"]').all()]
     assert len(titles) == len(set(titles)) == 2
@@ -65,11 +82,21 @@ def test_night_is_dark(page):
         return page.evaluate("getComputedStyle(document.body).backgroundColor")
 
     day, light = brightness(), panel()
-    tick(page, "Night")
+    tick(page, "Dark mode")
     wait_until(lambda: brightness() < day - 60, "a dark picture")
     wait_until(lambda: panel() != light, "a dark panel")
-    tick(page, "Night", ticked=False)
+    tick(page, "Dark mode", ticked=False)
     wait_until(lambda: brightness() > day - 20, "the light picture")
+
+
+def test_whole_body_refines_the_plan_and_takes_it_back(page):
+    box = page.get_by_label("Whole body", exact=True)
+    box.check()
+    wait_until(lambda: "whole body" in status(page, "Feasible"), "the refined plan")
+    assert page.session.plan.refined
+    box.uncheck()
+    wait_until(lambda: "whole body" not in status(page, "Feasible"), "the first plan")
+    assert not page.session.plan.refined
 
 
 @pytest.mark.parametrize("view", [(1024, 768), (768, 1024)])
@@ -95,16 +122,21 @@ def test_on_a_tablet_controls_and_robot_are_both_in_sight(page, view):
     bar = page.locator("#llsrbm-transport").bounding_box()
     panel = number(page, "Twist [deg]").bounding_box()
     assert panel["x"] >= bar["x"] + bar["width"] or panel["y"] >= bar["y"] + bar["height"]
-    # The robot: a rectangle of the picture that lies under nothing else.
-    canvas = page.evaluate(
-        "(({x, y, width, height}) => ({x, y, width, height}))"
-        "(window.__viserMutable.canvas.getBoundingClientRect())"
-    )
-    free = {**canvas, "height": bar["y"] - canvas["y"]}
-    assert free["width"] > 0.5 * width
-    robot = np.argwhere(dark(screenshot(page, clip=free)))
-    assert len(robot) > 1500
-    left, (bottom, right) = robot[:, 1].min(), robot.max(axis=0)
-    assert left > 0
-    assert right < free["width"] - 2
-    assert bottom < free["height"] - 2
+
+    def robot_is_in_sight():
+        """The robot: a rectangle of the picture that lies under nothing else."""
+        canvas = page.evaluate(
+            "(({x, y, width, height}) => ({x, y, width, height}))"
+            "(window.__viserMutable.canvas.getBoundingClientRect())"
+        )
+        bar = page.locator("#llsrbm-transport").bounding_box()
+        free = {**canvas, "height": bar["y"] - canvas["y"]}
+        assert free["width"] > 0.5 * width
+        robot = np.argwhere(dark(screenshot(page, clip=free)))
+        if len(robot) <= 1500:
+            return False
+        left, (bottom, right) = robot[:, 1].min(), robot.max(axis=0)
+        return left > 0 and right < free["width"] - 2 and bottom < free["height"] - 2
+
+    # Panel, bar and camera settle one after the other once the window has another size.
+    wait_until(robot_is_in_sight, "the robot between bar and panel")

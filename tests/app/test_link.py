@@ -12,11 +12,18 @@ from hypothesis import strategies as st
 
 from app import link as page_link
 from app.link import (
+    BesideChosen,
+    CertificateAsked,
+    ChartDropped,
     ClipTaken,
     PageLink,
     PageReady,
+    PartAsked,
+    PartPlotted,
+    PinPressed,
     PlaybackChosen,
     PlayerMoved,
+    PushDragged,
     read_event,
 )
 from app.motion.clip import Clip
@@ -60,6 +67,10 @@ LIKELY = st.fixed_dictionaries(
         ({"kind": "state", "time": 1, "playing": True}, PlayerMoved(1.0, True)),
         ({"kind": "playback", "speed": 0.25, "loop": True}, PlaybackChosen(0.25, True)),
         ({"kind": "clip", "number": 3}, ClipTaken(3)),
+        ({"kind": "pin", "act": "unpin", "index": 1}, PinPressed("unpin", 1)),
+        ({"kind": "certificate"}, CertificateAsked()),
+        ({"kind": "beside", "on": True}, BesideChosen(True)),
+        ({"kind": "chart", "chart": None, "onto": "Yaw"}, ChartDropped(None, "Yaw")),
         (
             {
                 "kind": "ready",
@@ -74,6 +85,13 @@ LIKELY = st.fixed_dictionaries(
             PageReady(False, ("a", "3.0"), "0f" * 16, "{}", "[]", 0.5, True),
         ),
         ({"kind": "ready", "software": True, "tab": "../../x", "kept": 3}, PageReady(True)),
+        ({"kind": "ready", "software": True, "height": 800}, PageReady(True, height=800.0)),
+        ({"kind": "part", "part": "LF_KFE"}, PartAsked("LF_KFE")),
+        ({"kind": "plot", "part": "LF_KFE", "row": 2}, PartPlotted("LF_KFE", 2)),
+        (
+            {"kind": "push", "time": 0.5, "x": 0.1, "y": -1, "ended": True},
+            PushDragged(0.5, 0.1, -1.0, True),
+        ),
     ],
 )
 def test_reports_of_the_page_are_read(message, event):
@@ -97,8 +115,15 @@ def test_reports_of_the_page_are_read(message, event):
         '{"kind": "playback", "speed": -1, "loop": true}',
         '{"kind": "clip", "number": 1e999}',
         '{"kind": "clip", "number": NaN}',
+        '{"kind": "pin", "act": "use", "index": -1}',
+        '{"kind": "pin", "act": "burn", "index": 0}',
+        '{"kind": "beside", "on": 1}',
         '{"kind": "state", "time": -1, "playing": true}',
         '{"kind": "ready"}',
+        '{"kind": "part", "part": "' + "x" * 200 + '"}',
+        '{"kind": "plot", "part": "LF_KFE", "row": -1}',
+        '{"kind": "push", "time": 1, "x": NaN, "y": 0, "ended": true}',
+        '{"kind": "push", "time": 1, "x": 0, "y": 0, "ended": 1}',
         '{"kind": "state", "time": 0.5, "playing": true, "more": "' + "x" * 200_000 + '"}',
         "[" * 999,
         '{"kind": "state", "time": true, "playing": true}',
@@ -157,7 +182,7 @@ def test_everything_is_a_call_of_the_pages_scripts(link, sent):
 
 
 TIMELINE = Timeline(
-    (Row('a "row"', (Piece("flight", 0.4, 0.9, (1, 2, 3), low=True),)),),
+    (Row('a "row"', (7, 8, 9), (Piece("flight", 0.4, 0.9, (1, 2, 3), low=True),)),),
     (Mark("apex", 0.6, (4, 5, 6)),),
     "events",
     1.3,
@@ -180,7 +205,7 @@ def test_a_timeline_is_sent_with_colours_as_style_sheets_have_them(link, sent):
         "low": True,
         "feet": "",
     }
-    assert shown["rows"] == [{"name": 'a "row"', "pieces": [piece]}]
+    assert shown["rows"] == [{"name": 'a "row"', "colour": "rgba(7,8,9,1)", "pieces": [piece]}]
     assert shown["marks"] == [{"name": "apex", "time": 0.6, "colour": "rgba(4,5,6,1)"}]
     assert shown["end"] == 1.3
 

@@ -50,7 +50,7 @@ def test_every_tab_begins_with_the_simulation(served, tmp_path):
             session = designer.sessions[-1]
             assert session.plan.jump == JUMP
             tab.set("Twist [deg]", 10)
-            tab.wait_for_status("Planned")
+            tab.wait_for_status("Feasible")
             assert session.rollout is None
 
 
@@ -58,7 +58,7 @@ def test_a_design_is_planned(served):
     design = Design(Jump(robot="slider", twist=0.2), scenario=Scenario(seed=3))
     designer = served(open_file("mine.jump.json", dump_design(design).encode(), "anymal"))
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
         planned(tab, designer.sessions[-1], lambda jump: jump.robot == "slider", "its plan")
         assert tab.value("Seed") == 3
 
@@ -66,7 +66,7 @@ def test_a_design_is_planned(served):
 def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
     designer = served(OpenedFile("turn.csv", turning_states("go2")))
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
         tab.wait(lambda: any(name.startswith("/pinned/1/") for name in tab.nodes), "a ghost")
         assert designer.sessions[-1].plan.jump.robot == "go2"
 

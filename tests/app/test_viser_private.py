@@ -223,10 +223,10 @@ def test_no_client_can_open_a_tunnel(served, capfd, caplog):
 
 def test_a_script_reaches_its_tab_and_no_other(designer):
     with RawTab(designer.port) as one:
-        one.wait_for_status("Planned")
+        one.wait_for_status("Feasible")
         known = designer._server.get_clients().keys()
         with RawTab(designer.port) as other:
-            other.wait_for_status("Planned")
+            other.wait_for_status("Feasible")
             (client,) = (
                 client for key, client in designer._server.get_clients().items() if key not in known
             )

@@ -5,7 +5,10 @@ import pinocchio as pin
 
 
 def foot_positions(robot, base_position, base_quat, joint_position):
-    """(K, L, 3) m, from the URDF and the names of the foot frames in the robot file."""
+    """(K, L, 3) m, from the URDF and the names of the foot frames in the robot file.
+
+    Of balls what is `foot_lift` below their frames.
+    """
     model = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
     data = model.createData()
     frames = [model.getFrameId(leg.foot_frame) for leg in robot.legs]
@@ -13,7 +16,7 @@ def foot_positions(robot, base_position, base_quat, joint_position):
     for k, (p, q, angles) in enumerate(zip(base_position, base_quat, joint_position, strict=True)):
         pin.framesForwardKinematics(model, data, np.concatenate([p, np.roll(q, -1), angles]))
         feet[k] = [data.oMf[frame].translation for frame in frames]
-    return feet
+    return feet - [0, 0, robot.foot_lift]
 
 
 def link_poses(robot, qpos):

@@ -27,8 +27,10 @@ def own_file(thing):
 
 @pytest.mark.parametrize("thing", CONSTRAINTS, ids=lambda each: each.name)
 def test_a_constraint_is_a_class_and_a_line(thing):
+    """The certificate, which shares nothing with the planner, has checks of the same names."""
     registry = "planning/problem/constraints/__init__.py"
-    assert files_with(rf"\b{type(thing).__name__}\(\)") <= {own_file(thing), registry}
+    found = files_with(rf"\b{type(thing).__name__}\(\)") - {"certificate/certificate.py"}
+    assert found <= {own_file(thing), registry}
 
 
 @pytest.mark.parametrize("thing", COSTS, ids=lambda each: each.name)

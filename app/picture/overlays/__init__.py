@@ -1,4 +1,4 @@
-"""Overlays, drawn besides the robot: classes, each with its box, its legend, its nodes.
+"""Overlays, drawn besides the robot: classes, each with its box, its colours, its nodes.
 
 `OVERLAYS` names them all. A new overlay is a class in a file here, and nothing else.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 from importlib import import_module
 from pkgutil import iter_modules
 
-from app.picture.drawing import Overlay
+from app.picture.drawing import Group, Overlay
 
 __all__ = ["AT_FIRST", "OVERLAYS"]
 
@@ -23,7 +23,8 @@ def _found() -> list[type[Overlay]]:
         and issubclass(value, Overlay)
         and value.__module__ == module.__name__
     ]
-    return sorted(classes, key=lambda overlay: overlay.place)
+    order = list(Group)
+    return sorted(classes, key=lambda overlay: (order.index(overlay.group), overlay.place))
 
 
 OVERLAYS: dict[str, type[Overlay]] = {overlay.name: overlay for overlay in _found()}

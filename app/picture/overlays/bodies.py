@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-import coal
 import numpy as np
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.robots import Robot
-from llsrbm.robots.feet import collision_shapes, foot_contacts
-from llsrbm.robots.urdf import BASE_JOINT
+from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.shapes import Shape, link_shapes
 
 if TYPE_CHECKING:
     import trimesh
@@ -29,9 +29,11 @@ class LinkFrames(Overlay):
     """Three short bars at the joint that moves a link; the base's at its origin."""
 
     name = "frames"
+    group = Group.DEBUG
     title = "Link frames"
     hint = "Axes of the links, x red, y green, z blue, where the joints are that move them."
     place = 150
+    tints = gltf.AXES
     root = "/axes"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
@@ -46,15 +48,17 @@ _OPACITY = 0.45
 
 
 class CollisionShapes(Overlay):
-    """The trunk's boxes, cylinders, spheres and convex hulls, and the feet's spheres.
+    """Boxes, cylinders, spheres and hulls of the links, and the feet's spheres.
 
-    As `llsrbm.simulation.scene` builds them; legs pass through the ground there, too.
+    As `llsrbm.simulation.scene` builds them.
     """
 
     name = "collision"
+    group = Group.DEBUG
     title = "Collision shapes"
-    hint = "The shapes that touch the ground in a simulation: the trunk's and the feet's."
+    hint = "The shapes that touch the ground, boxes and each other in a simulation."
     place = 160
+    tints = (colours.COLLISION,)
     root = "/hulls"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
@@ -74,37 +78,37 @@ def _meshes(robot: Robot) -> tuple[tuple[int, bytes], ...]:
 
 
 def shapes_of(robot: Robot) -> list[tuple[int, trimesh.Trimesh]]:
-    """Index of a body and its shapes in the frame of its joint: the base's, then each foot's."""
+    """Index of a body and its shapes, the links' and the feet's, in the frame of its joint."""
     import trimesh
 
-    trunk = []
-    for shape in collision_shapes(robot):
-        mesh = _mesh(shape.geometry) if shape.parentJoint == BASE_JOINT else None
-        if mesh is not None:
-            mesh.apply_transform(shape.placement.homogeneous)
-            trunk.append(mesh)
-    found = [(BASE_JOINT - 1, trimesh.util.concatenate(trunk))] if trunk else []
+    parts: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
+    for shape in link_shapes(robot):
+        if shape.foot and shape.kind == "sphere":
+            continue  # a foot's ball, see below
+        parts[shape.joint - 1].append(_mesh(shape))
     for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
         frame = robot.model.frames[leg.foot_frame_id]
-        spheres = []
         for centre in contact.centres:
             sphere = trimesh.creation.icosphere(subdivisions=2, radius=contact.radius)
             sphere.apply_translation(frame.placement.act(centre))
-            spheres.append(sphere)
-        found.append((leg.joint_ids[-1] - 1, trimesh.util.concatenate(spheres)))
-    return found
+            parts[leg.joint_ids[-1] - 1].append(sphere)
+    return [(body, trimesh.util.concatenate(meshes)) for body, meshes in sorted(parts.items())]
 
 
-def _mesh(geometry: coal.CollisionGeometry) -> trimesh.Trimesh | None:
-    """A shape that the simulation has, too; None: of another kind."""
+def _mesh(shape: Shape) -> trimesh.Trimesh:
     import trimesh
 
-    if isinstance(geometry, coal.Sphere):
-        return trimesh.creation.icosphere(subdivisions=2, radius=geometry.radius)
-    if isinstance(geometry, coal.Box):
-        return trimesh.creation.box(extents=2 * np.asarray(geometry.halfSide))
-    if isinstance(geometry, coal.Cylinder):
-        return trimesh.creation.cylinder(geometry.radius, 2 * geometry.halfLength, sections=24)
-    if isinstance(geometry, coal.BVHModelBase):
-        return trimesh.convex.convex_hull(np.asarray(geometry.vertices()))
-    return None
+    radius, half, _ = shape.size
+    match shape.kind:
+        case "sphere":
+            mesh = trimesh.creation.icosphere(subdivisions=2, radius=radius)
+        case "box":
+            mesh = trimesh.creation.box(extents=2 * shape.size)
+        case "cylinder":
+            mesh = trimesh.creation.cylinder(radius, 2 * half, sections=24)
+        case "hull":
+            mesh = trimesh.convex.convex_hull(shape.points)
+    placement = np.eye(4)
+    placement[:3, :3], placement[:3, 3] = shape.rotation, shape.centre
+    mesh.apply_transform(placement)
+    return mesh

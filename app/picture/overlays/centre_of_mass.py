@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
 
@@ -21,16 +21,14 @@ class CentreOfMass(Overlay):
     """A ball."""
 
     name = "com"
+    group = Group.INERTIA
     title = "Centre of mass"
     hint = "Of the whole robot, as the model or the simulation has it."
     place = 20
+    tints = (colours.COM,)
     at_first = True
 
     _ball: viser.IcosphereHandle | None = None
-
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        return [Key(colours.COM, "centre of mass")]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         _, _, frames = picture.motion
@@ -58,16 +56,17 @@ class Trails(Overlay):
     """Lines that do not move; those of a plan that breaks constraints have a warning colour."""
 
     name = "trails"
+    group = Group.INERTIA
     title = "Trails"
     hint = "The paths of the centre of mass and, in flight, of the feet."
     place = 40
+    tints = (
+        colours.COM,
+        colours.FOOT,
+    )
     at_first = True
 
     _lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
-
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        return [Key(colours.COM, "centre of mass")]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         _, planned, frames = picture.motion

@@ -11,7 +11,7 @@ from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import INSCRIBED, Array
 from llsrbm.motion.plan import Plan
@@ -25,17 +25,13 @@ class Forces(Overlay):
     """The sum of a foot's contact forces; none where a foot hardly pushes."""
 
     name = "forces"
+    group = Group.FORCES
     title = "Forces"
     hint = f"Contact forces; one as large as the robot's weight is {ARROW_PER_WEIGHT:g} m long."
     place = 30
+    tints = (colours.FORCE,)
     at_first = True
     root = "/arrows"
-
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        kind = "planned" if picture.rollout is None else "measured"
-        meaning = f"contact forces, {kind}; the weight is {ARROW_PER_WEIGHT:g}\u00a0m long"
-        return [Key(colours.FORCE, meaning)]
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
         length = np.linalg.norm(frames.foot_force, axis=2)
@@ -64,9 +60,11 @@ class FrictionPyramids(Overlay):
     """
 
     name = "friction"
+    group = Group.FORCES
     title = "Friction pyramids"
     hint = "A standing foot's force stays inside: the pyramid in the cone of the plan's friction."
     place = 100
+    tints = (colours.FRICTION,)
     root = "/pyramids"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
@@ -96,9 +94,11 @@ class CentreOfPressure(Overlay):
     """A disc; none in flight. A simulation does not record where in a sole its force acts."""
 
     name = "pressure"
+    group = Group.FORCES
     title = "Centre of pressure"
     hint = "Where the ground's whole force acts: the feet, weighted by the load that they carry."
     place = 120
+    tints = (colours.FORCE,)
     root = "/zmp"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
@@ -134,9 +134,11 @@ class AngularMomentum(Overlay):
     """An arrow from the CoM along the axis, by the right-hand rule."""
 
     name = "spin"
+    group = Group.INERTIA
     title = "Angular momentum"
     hint = f"About the centre of mass; the arrow of 1 kg m²/s is {METRES_PER_UNIT:g} m long."
     place = 130
+    tints = (colours.COM,)
     root = "/momentum"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:

@@ -1,29 +1,48 @@
-"""Translucent robots: the plan beside its simulation, and pinned motions."""
+"""Translucent robots: the plan beside its simulation, and pinned motions.
+
+Bodies are drawn only where they differ from those of the solid robot: two surfaces in nearly the
+same place flicker through each other.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import chain, count
 
+import numpy as np
 import viser
+from scipy.ndimage import maximum_filter1d
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel
-from app.picture.drawing import Key, Overlay
+from app.motion.colours import Rgb
+from app.motion.frames import Frames
+from app.picture.bounds import apart
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from app.picture.robot_nodes import RobotNodes, RobotShelf
+
+_DIFFERS = 0.02  # m between a body and the same body of the solid robot
+_AROUND = 9  # frames; a body that differs is also drawn for a moment before and after
 
 
 class Ghosts(Overlay):
     """Each with a time of its own."""
 
     name = "ghost"
+    group = Group.INERTIA
     title = "Ghost"
-    hint = "The plan beside its simulation, and what is pinned."
+    hint = "The plan beside its simulation, and what is pinned, where they are 2 cm apart or more."
     place = 50
     at_first = True
     parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared"})
     needs_motion = False
+
+    @classmethod
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        plan = [] if picture.simulated is None else [colours.PLANNED]
+        return [*plan, *(ghost.colour for ghost in picture.ghosts)]
 
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene)
@@ -33,26 +52,47 @@ class Ghosts(Overlay):
         self._plan: list[RobotNodes] = []
         self._pinned: list[RobotNodes] = []
 
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        if picture.rollout is None:
-            return []
-        return [Key(colours.PLANNED, "the plan, a ghost beside the simulated robot")]
-
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         self._plan, self._pinned = [], []
         channels = []
         for ghost in picture.ghosts:
             nodes = self._pins.take(ghost.robot, ghost=ghost.colour)
             self._pinned.append(nodes)
-            channels.append(AnimationChannel(ghost.frames.time, tuple(nodes.track(ghost.frames))))
+            frames = ghost.frames
+            if ghost.beside:
+                place = frames.body_position + np.array([0.0, ghost.beside, 0.0])
+                frames = replace(frames, body_position=place)
+            channels.append(_beside(picture, nodes, frames))
         if picture.robot is not None and picture.planned is not None and picture.simulated:
             nodes = self._plans.take(picture.robot, ghost=colours.PLANNED)
             self._plan.append(nodes)
-            frames = picture.planned.frames
-            channels.append(AnimationChannel(frames.time, tuple(nodes.track(frames))))
+            channels.append(_beside(picture, nodes, picture.planned.frames))
         return channels
 
     def show(self, *, visible: bool) -> None:
         self._plans.show_only(self._plan if visible else ())
         self._pins.show_only(self._pinned if visible else ())
+
+
+def _beside(picture: Picture, nodes: RobotNodes, frames: Frames) -> AnimationChannel:
+    """A ghost's motion; bodies have no size where the solid robot's are in the same place."""
+    solid, tracks = picture.solid, nodes.track(frames)
+    if solid is None or nodes.robot is not picture.robot:
+        return AnimationChannel(frames.time, tuple(tracks))
+    # The ghost rests at its end while the solid robot goes on.
+    time = np.concatenate([frames.time, solid.time[solid.time > frames.end]])
+    frame = np.arange(len(time)).clip(max=len(frames.time) - 1)
+    differs = apart(nodes.robot, frames, solid, time) > _DIFFERS
+    there = maximum_filter1d(differs.astype(float), _AROUND, axis=0)
+    return AnimationChannel(
+        time,
+        tuple(
+            replace(
+                track,
+                position=track.position[frame],
+                wxyz=None if track.wxyz is None else track.wxyz[frame],
+                scale=np.repeat(there[:, nodes.bodies[track.nodes[0]], None], 3, axis=1),
+            )
+            for track in tracks
+        ),
+    )

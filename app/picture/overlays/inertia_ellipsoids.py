@@ -6,17 +6,20 @@ from collections.abc import Sequence
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
 from app.motion.frames import Frames
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
 
-_OUTSIDE = 1.004  # a wireframe must lie just outside of a surface to be seen
 _SUBDIVISIONS = 2  # of an icosahedron: 320 triangles
+_OUTSIDE = 1.004  # rings must lie just outside of a surface to be seen
+_SIDES = 48  # of a ring
+_THIN = 1.2  # pixels
 
 
 class InertiaEllipsoids(Overlay):
@@ -26,8 +29,12 @@ class InertiaEllipsoids(Overlay):
     """
 
     name = "ellipsoids"
+    group = Group.INERTIA
     title = "Inertia ellipsoids"
-    hint = "The uniform solid ellipsoid of the robot's mass that has its inertia about the CoM."
+    hint = (
+        "The uniform solid ellipsoid of the robot's mass that has its inertia about the CoM: the "
+        "plan's, and beside it SRBM's or, once simulated, the whole body's."
+    )
     place = 10
     at_first = True
 
@@ -35,14 +42,9 @@ class InertiaEllipsoids(Overlay):
     _simulated = False
 
     @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        second = (
-            Key(colours.RIGID, "the same of SRBM's inertia, which is constant")
-            if picture.rollout is None
-            else Key(colours.SIMULATED, "the same of the simulated whole body's inertia")
-        )
-        first = "ellipsoid: uniform solid of the robot's mass and planned inertia"
-        return [Key(colours.PLANNED, first), second]
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        second = colours.REFERENCE if picture.rollout is None else colours.SIMULATED
+        return colours.PLANNED, second
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         _, planned, _ = picture.motion
@@ -50,7 +52,7 @@ class InertiaEllipsoids(Overlay):
         if self._drawn is None:
             self._drawn = (
                 _Ellipsoid(self.scene, "/ellipsoid/planned", colours.PLANNED, surface=True),
-                _Ellipsoid(self.scene, "/ellipsoid/srbm", colours.RIGID, surface=False),
+                _Ellipsoid(self.scene, "/ellipsoid/srbm", colours.REFERENCE, surface=False),
                 _Ellipsoid(self.scene, "/ellipsoid/whole", colours.SIMULATED, surface=False),
             )
         solid, rigid, whole = self._drawn
@@ -72,19 +74,12 @@ class InertiaEllipsoids(Overlay):
 
 
 class _Ellipsoid:
-    """A unit sphere, a wireframe with or without a translucent surface, turned and stretched."""
+    """Rings about the principal axes, with or without a translucent surface."""
 
     def __init__(self, scene: viser.SceneApi, name: str, colour: Rgb, *, surface: bool) -> None:
         self._frame = scene.add_frame(name, show_axes=False)
-        wires = scene.add_icosphere(
-            f"{name}/wires",
-            _OUTSIDE,
-            colour,
-            subdivisions=_SUBDIVISIONS,
-            wireframe=True,
-            opacity=0.35,
-            cast_shadow=False,
-            receive_shadow=False,
+        wires = scene.add_line_segments(
+            f"{name}/wires", _rings(), colour, thickness=_THIN, thickness_units="screen"
         )
         self._nodes: tuple[str, ...] = (wires.name,)
         if surface:
@@ -111,3 +106,11 @@ class _Ellipsoid:
 
     def show(self, *, visible: bool) -> None:
         self._frame.visible = visible
+
+
+def _rings() -> NDArray[np.float32]:
+    """The sides (3 n, 2, 3) of circles in the planes of the axes, of radius 1."""
+    angle = np.linspace(0.0, 2 * np.pi, _SIDES + 1)
+    circle = _OUTSIDE * np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES + 1)], axis=1)
+    sides = np.stack([circle[:-1], circle[1:]], axis=1)
+    return np.concatenate([np.roll(sides, axis, axis=2) for axis in range(3)]).astype(np.float32)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from app.motion import colours
 from app.motion.clip import AnimationChannel
 from app.picture.blocks import place
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.motion.plan import Plan
 from llsrbm.robots import Robot
@@ -21,7 +21,7 @@ _SOLE_EDGE = 0.01  # m, of a sole's mark around the contact points
 _THIN = 0.004  # m, thickness of a mark
 # By what a block is called: the one that the robot starts from, and what it passes over; on all
 # others it lands.
-_COLOURS = {"block": colours.FOOT, "hurdle": colours.BLOCK}
+_COLOURS = {"block": colours.REFERENCE, "hurdle": colours.BLOCK}
 
 
 class LandingMarks(Overlay):
@@ -32,9 +32,11 @@ class LandingMarks(Overlay):
     """
 
     name = "landing"
+    group = Group.FOOTHOLDS
     title = "Landing handle"
     hint = "Where the feet shall land; drag the arrows, or the ring, to move the landing."
     place = 60
+    tints = (colours.TARGET,)
     at_first = True
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
@@ -45,10 +47,6 @@ class LandingMarks(Overlay):
         self._landings = 0  # feet that land, each as often as it does
         self._steps: list[viser.BoxHandle] = []
         self._stepping = 0  # of them, those that are drawn
-
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        return [Key(colours.TARGET, "landing place: drag it")]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         robot, planned, _ = picture.motion

@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
+from app.motion.colours import Rgb
 from app.picture import gltf
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
 from llsrbm.motion.replan import Replan
@@ -27,6 +28,7 @@ class NewPlans(Overlay):
     """The path of the CoM and the footholds; of a simulation that is complete."""
 
     name = "new-plans"
+    group = Group.FOOTHOLDS
     title = "New plans"
     hint = "With replanning: the plan that is followed, its centre of mass and footholds."
     place = 80
@@ -35,10 +37,9 @@ class NewPlans(Overlay):
     root = "/anew"
 
     @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        if picture.rollout is None or not picture.rollout.scenario.replan:
-            return []
-        return [Key(colours.REPLANNED, "newest plan: path of the centre of mass, footholds")]
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        rollout = picture.rollout
+        return [] if rollout is None or not rollout.replans else [colours.REPLANNED]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         rollout = picture.rollout

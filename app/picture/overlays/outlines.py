@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
+from app.motion.colours import Rgb
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.analysis.landing_region import SIDES, expected_touchdown, landing_regions
 from llsrbm.mechanics import Array
@@ -31,9 +32,11 @@ class SupportPolygon(Overlay):
     """
 
     name = "support"
+    group = Group.FOOTHOLDS
     title = "Support polygon"
     hint = "Convex hull of the contact points that stand: a robot at rest has its CoM above it."
     place = 110
+    tints = (colours.SUPPORT,)
     root = "/hull"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
@@ -92,6 +95,7 @@ class LandingRegion(Overlay):
     """An outline a foot on the ground; of a complete simulation that is pushed or plans anew."""
 
     name = "landing-region"
+    group = Group.FOOTHOLDS
     title = "Landing region"
     hint = (
         "After a push, or with replanning: where each foot can still land, by its leg's reach and "
@@ -103,10 +107,8 @@ class LandingRegion(Overlay):
     root = "/within"
 
     @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        if not _is_drawn(picture):
-            return []
-        return [Key(colours.REPLANNED, "outlines: where the feet can still land")]
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        return [colours.REPLANNED] if _is_drawn(picture) else []
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         found = _outlines(picture)

@@ -10,9 +10,10 @@ import viser
 from app.motion import colours
 from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
 from app.motion.clip import AnimationChannel, Track
+from app.motion.colours import Rgb
 from app.motion.frames import FRAME_RATE, Frames
 from app.picture import gltf
-from app.picture.drawing import Key, Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from app.picture.push_handle import newton_seconds
 
@@ -25,6 +26,7 @@ class Pushes(Overlay):
     """Of a simulation; the page draws them over everything else (static/player.js)."""
 
     name = "pushes"
+    group = Group.FORCES
     title = "Pushes"
     hint = (
         "Pushes of a simulation, while they act; one that gives the robot 1 m/s is "
@@ -35,16 +37,13 @@ class Pushes(Overlay):
     root = "/push/past"
     parts = frozenset({"robot", "planned", "simulated", "pushes"})
 
+    @classmethod
+    def swatch(cls, picture: Picture) -> Sequence[Rgb]:
+        return [colours.FORCE] if picture.pushes else []
+
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene)
         self._words: list[viser.LabelHandle] = []
-
-    @classmethod
-    def keys(cls, picture: Picture) -> Sequence[Key]:
-        if picture.rollout is None or not picture.pushes:
-            return []
-        length = f"{ARROW_PER_SPEED:g}\u00a0m"
-        return [Key(colours.PUSH, f"push; one that gives the robot 1\u00a0m/s is {length} long")]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         channels = super().draw(picture)
@@ -52,15 +51,16 @@ class Pushes(Overlay):
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
         pushes, (robot, _, _) = picture.pushes, picture.motion
-        arrows = self.nodes(gltf.arrow(colours.PUSH), len(pushes), "arrow")
+        arrows = self.nodes(gltf.arrow(colours.FORCE), len(pushes), "arrow")
         while len(self._words) < len(pushes):
             self._words.append(
                 self.scene.add_label(
                     f"{self.root}/words/{len(self._words)}", "", anchor="bottom-center"
                 )
             )
-        for label in self._words:
-            label.position = _AWAY
+        for index, label in enumerate(self._words):
+            # The page has moved it; what it is put back to here would be no news to it.
+            label.position, label.visible = _AWAY, index < len(pushes)
         origin = trunk_com(robot, frames)
         tracks = []
         for push, arrow, label in zip(pushes, arrows, self._words, strict=False):

@@ -12,7 +12,7 @@ from app.motion import colours
 from app.motion.clip import Track
 from app.motion.frames import Frames
 from app.picture import gltf
-from app.picture.drawing import Overlay
+from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
@@ -29,9 +29,11 @@ class FeetReach(Overlay):
     """Regions that move with the base: of feet in flight, and of standing feet."""
 
     name = "reach"
-    title = "Reach of the feet"
+    group = Group.FOOTHOLDS
+    title = "Foot workspace"
     hint = "Where the plan lets each foot be: a box about its hip, within two distances from it."
     place = 140
+    tints = (colours.REACH,)
     root = "/regions"
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:

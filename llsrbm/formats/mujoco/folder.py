@@ -6,9 +6,7 @@ of the robot in `meshes/` (geom group 2; what collides is in group 3), motors th
 Nm or N within the robot file's limits, and keyframes "start", "lift-off", "touchdown" and "end" as
 far as they happened; of several flights also "lift-off-2", "touchdown-2" and so on. No damping, no
 armature. Limits that fall with the speed, torque delays and the controller are not in it. A
-rollout's lift-off is a flight's first control tick in which no foot touches anything. A plan's
-point feet are points, those of the model balls: of a plan, ground and boxes are lower by as much as
-the balls need at its start (22 mm for Go2).
+rollout's lift-off is a flight's first control tick in which no foot touches anything.
 
 `motion.npz`: `time` (T,) s, `fps`, `qpos` (T, 7 + J): position, quaternion w, x, y, z without jumps
 of sign, joints; `qvel` (T, 6 + J): linear velocity in the world's axes, angular velocity in the
@@ -32,7 +30,6 @@ are smeared over them. Only numbers are read: no MJCF, no pickles.
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,7 +44,7 @@ from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
@@ -98,7 +95,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
 
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     robot = motion.robot
-    around = _surroundings(trajectory, motion)
+    around = surroundings_of(trajectory, motion.robot)
     names = joints_in_model_order(robot)
     start, end = (float(trajectory.time[i]) for i in (0, -1))
     own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps
@@ -167,23 +164,6 @@ def _states(motion: WholeBodyMotion, names: tuple[str, ...]) -> dict[str, Array]
     if motion.joint_torque is not None:
         states["ctrl"] = motion.joint_torque[:, joints]
     return states
-
-
-def _surroundings(trajectory: Trajectory, motion: WholeBodyMotion) -> Surroundings:
-    around = surroundings_of(trajectory, motion.robot)
-    if isinstance(trajectory, Rollout):
-        return around
-    room = _below_feet(motion)
-    lower = [replace(b, centre=b.centre - [0.0, 0.0, room]) for b in around.blocks]
-    return Surroundings(around.ground - room, tuple(lower))
-
-
-def _below_feet(motion: WholeBodyMotion) -> float:
-    """Height (m) by which the model's feet reach below the motion's own at its start."""
-    first = motion_of_states(
-        motion.robot, motion.origin, motion.time[:1], motion.qpos[:1], motion.qvel[:1]
-    )
-    return float((motion.foot_position[0] - first.foot_position[0])[:, 2].max())
 
 
 def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:

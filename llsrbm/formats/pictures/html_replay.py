@@ -106,7 +106,7 @@ def _add_nodes(scene: viser.SceneApi, drawing: Drawing) -> Iterator[str]:
         scene.add_frame(f"/{layer}", show_axes=False)
     for visual in drawing.visuals:
         name = f"/robot/{visual.link}"
-        scene.add_glb(name, visual.mesh().export(file_type="glb"))
+        scene.add_glb(name, visual.glb())
         yield name
     pale: dict[str, Any] = {"color": palette.PLANNED, "opacity": 0.3, "cast_shadow": False}
     for visual in link_visuals(drawing.robot, coarse=True) if drawing.ghost is not None else ():

@@ -201,8 +201,7 @@ def _add_mesh(spec: mujoco.MjSpec, mesh: dict[str, Any], name: str) -> mujoco.Mj
 
 def _add_painted_mesh(spec: mujoco.MjSpec, visual: dict[str, Any], i: int) -> None:
     """A mesh and its paint: a texture of colours, of which each face has that of its vertices."""
-    of_vertices = visual["rgb"][visual["faces"]].astype(float)
-    of_faces = of_vertices.mean(axis=1).round().astype(np.uint8)
+    of_faces = (255 * visual["rgb"][visual["faces"]].mean(axis=1)).round().astype(np.uint8)
     colours, index = np.unique(of_faces, axis=0, return_inverse=True)
     rows = -(-len(colours) // _PALETTE_ROW)
     texture = np.zeros((rows * _PALETTE_ROW, 3))

@@ -85,7 +85,7 @@ def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
         "least_force": LEAST_FORCE,
         "thickness": 0.02 * height,
         "colours": {name: [part / 255 for part in rgb] for name, rgb in shades.items()},
-        "meshes": [vars(visual) for visual in drawing.visuals],
+        "meshes": [{**vars(visual), "rgb": visual.paint} for visual in drawing.visuals],
         "coarse": [vars(visual) for visual in coarse],
         "foot": drawing.motion.foot_position,
         "flight": drawing.flight,

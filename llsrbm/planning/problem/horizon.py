@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
@@ -15,6 +16,7 @@ from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
+from llsrbm.planning.problem.elastic import ElasticStage
 from llsrbm.planning.problem.knots import DYNAMICS, Rows
 from llsrbm.planning.problem.layout import BODY_PLACES, Layout, Role
 from llsrbm.planning.problem.parameters import (
@@ -27,10 +29,14 @@ from llsrbm.planning.problem.parameters import (
 )
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
+from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 _BODY = np.zeros(max(place.stop for place in BODY_PLACES.values()))
+_within: WeakKeyDictionary[Robot, dict[tuple[Layout, Layout], NDArray[np.int64]]] = (
+    WeakKeyDictionary()
+)
 
 
 def constraints_of(role: Role) -> tuple[Constraint, ...]:
@@ -43,11 +49,12 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
     symbols, places = parameter_symbols(layout), parameter_places(layout)
 
     def builder(role: Role, following: Role | None) -> Callable[[], StageExpressions]:
-        return lambda: _expressions(Stage(role, layout, model, symbols), following)
+        kind: Any = ElasticStage if layout.elastic else Stage
+        return lambda: _expressions(kind(role, layout, model, symbols), symbols, following)
 
     def own(knot: int) -> slice:
-        start = places[CORRECTION].start + 3 * knot
-        return slice(start, start + 3)
+        start = places[CORRECTION].start + layout.own_numbers * knot
+        return slice(start, start + layout.own_numbers)
 
     runs = []
     for role, knots in layout.blocks():
@@ -64,10 +71,12 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
     return Horizon(tuple(runs), sum(parameter_sizes(layout).values()))
 
 
-def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
+def _expressions(
+    stage: Stage, symbols: Mapping[str, ca.SX], following: Role | None
+) -> StageExpressions:
     """A stage's expressions; `following` is the next knot's role, None at the end."""
-    own = ca.SX(0, 1) if stage.role.terminal else stage.correction
-    cost = ca.SX(0)
+    own = ca.SX(0, 1) if stage.role.terminal else stage.own
+    cost = stage.penalty
     for term in COSTS:
         if term.applies(stage.role):
             cost += stage.parameters[weight_parameter(term)] * term.term(stage)
@@ -75,7 +84,7 @@ def _expressions(stage: Stage, following: Role | None) -> StageExpressions:
     return StageExpressions(
         variables=stage.variables,
         states=stage.layout.state_size(stage.role),
-        shared=ca.vertcat(*stage.parameters.values()),
+        shared=ca.vertcat(*symbols.values()),
         local=ca.vertcat(stage.local, own),
         cost=cost,
         rows=rows,
@@ -108,6 +117,30 @@ def row_bounds(layout: Layout, task: Task) -> tuple[Array, Array]:
     return lower.copy(), upper.copy()
 
 
+def row_places(layout: Layout, task: Task) -> tuple[dict[Hashable, NDArray[Any]], NDArray[Any]]:
+    """Places of the rows of g by the constraint that they are of, and each row's knot."""
+    places, knot, *_ = _listed(layout, task)
+    return places, knot
+
+
+def rows_within(layout: Layout, wider: Layout, task: Task) -> NDArray[np.int64]:
+    """(rows,) places of a layout's rows of g among those of a layout with more states.
+
+    A task changes the rows' bounds, not their number, which is the layout's and the robot's: the
+    first one's listing is kept.
+    """
+    known = _within.setdefault(task.robot, {})
+    if (layout, wider) not in known:
+        starts, end = {}, 0
+        for row, knot, low, _ in _rows(wider, task):
+            starts[row, knot] = end
+            end += len(low)
+        rows = _rows(layout, task)
+        places = [starts[row, knot] + np.arange(len(low)) for row, knot, low, _ in rows]
+        known[layout, wider] = np.concatenate(places)
+    return known[layout, wider]
+
+
 @lru_cache(maxsize=2)
 def _listed(
     layout: Layout, task: Task
@@ -126,7 +159,7 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
     """Of the rows of g in their order: what they are, the knot, lower and upper bounds."""
     for role, knots in layout.blocks():
         constraints = constraints_of(role)
-        differ = {c for c in constraints if c.by_knot or c.name in task.drive_bounds}
+        differ = {c for c in constraints if c.by_knot or c.name in task.agreed_bounds}
         alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if c not in differ}
         for knot in knots:
             if not role.terminal:

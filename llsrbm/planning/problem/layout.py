@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +50,8 @@ class Role:
         standing: legs whose feet stand over the interval that starts here; swinging: the others.
         leaving, landing: at a phase's first knot, legs whose feet have just left or met the ground.
         rising, settling: over a phase's last interval, legs whose feet leave or meet it at its end.
+        beside_swing: legs that rise or land, where they must not outrun their drives; none of a
+            body that turns over, whose knees do.
         initial: the very first knot; terminal: the very last, after which nothing follows.
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
@@ -66,6 +69,7 @@ class Role:
     landing: tuple[int, ...] = ()
     rising: tuple[int, ...] = ()
     settling: tuple[int, ...] = ()
+    beside_swing: tuple[int, ...] = ()
     initial: bool = False
     terminal: bool = False
     first: bool = False
@@ -138,7 +142,7 @@ class Layout:
         intervals: (P,) of each phase.
         foot_coordinates: d, see `Robot.foot_coordinates`.
         clears: whether the whole body has something to clear (`constraints.body_clearance`).
-        turns: whether the body turns over, so fast that legs feel it (`Stage.joint_torques`).
+        turns: whether the body turns over, so fast that legs feel it.
         under_way: whether it begins in motion, and where feet land next is free.
     """
 
@@ -149,6 +153,8 @@ class Layout:
     clears: bool = False
     turns: bool = False
     under_way: bool = False
+    elastic: ClassVar[bool] = False  # see `problem.elastic`
+    own_numbers: ClassVar[int] = 3  # parameters that each interval has for itself
 
     @classmethod
     def of(
@@ -216,6 +222,8 @@ class Layout:
 
             for k in range(count):
                 first, last = k == 0, k == count - 1
+                rising = legs(now & ~after) if last else ()
+                landing = legs(~before & now) if first else ()
                 roles.append(
                     Role(
                         phase=p,
@@ -223,9 +231,10 @@ class Layout:
                         standing=legs(now),
                         swinging=legs(~now),
                         leaving=legs(before & ~now) if first else (),
-                        landing=legs(~before & now) if first else (),
-                        rising=legs(now & ~after) if last else (),
+                        landing=landing,
+                        rising=rising,
                         settling=legs(~now & after) if last else (),
+                        beside_swing=() if self.turns else tuple(sorted({*rising, *landing})),
                         initial=p == 0 and first,
                         first=first,
                         last=last,

@@ -8,6 +8,12 @@ from numpy.typing import NDArray
 
 from llsrbm.planning.problem.clearance_profile import CLEARANCE_PARAMETERS, clearance_parameters
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
+from llsrbm.planning.problem.elastic import (
+    ElasticLayout,
+    elastic_parameters,
+    elastic_sizes,
+    swing_numbers,
+)
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.stage_body import StageBody
 from llsrbm.planning.problem.task import Task
@@ -16,7 +22,7 @@ from llsrbm.request.jump import Jump
 Array = NDArray[np.float64]
 
 CORRECTION = "correction"
-"""The parameters that each interval has for itself, three of it."""
+"""The parameters that each interval has for itself, `Layout.own_numbers` of it."""
 
 
 def parameters(layout: Layout, task: Task) -> dict[str, Array]:
@@ -49,6 +55,9 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
     }
     correction = np.zeros((layout.total, 3)) if task.correction is None else task.correction
     last = {CORRECTION: correction / task.mass}
+    if isinstance(layout, ElasticLayout):
+        values |= elastic_parameters(layout, task)
+        last[CORRECTION] = np.hstack([last[CORRECTION], swing_numbers(layout, task)])
     return {name: np.ravel(value) for name, value in (values | weights | last).items()}
 
 
@@ -74,8 +83,10 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     for p in range(layout.phases):
         local = StageBody.local_sizes(layout)
         sizes |= dict(zip(_local_names(p), local.values(), strict=True))
+    if isinstance(layout, ElasticLayout):
+        sizes |= elastic_sizes(layout)
     weights = {weight_parameter(cost): 1 for cost in COSTS}
-    return sizes | weights | {CORRECTION: 3 * layout.total}
+    return sizes | weights | {CORRECTION: layout.own_numbers * layout.total}
 
 
 def local_parameters(phase: int) -> tuple[str, ...]:

@@ -130,6 +130,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         tuning=tuning,
         obstacle=_obstacle(kind, places[0]),
         clears=kind.clears,
+        displacement=kind.displacement,
     )
     return put_limits(put_limits(task, kind.limits), tuning.limits)
 

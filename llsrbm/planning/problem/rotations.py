@@ -84,14 +84,16 @@ def feet_seen(model: CentroidalModel) -> ca.Function:
     """x and xdot, (d, L), of feet that are all given in the world.
 
     Arguments: R_world_base (3, 3); position and velocity of the CoM, (3, 1) m, m/s; angular
-    velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet, (3, L) m, m/s;
-    their headings and turning rates, (L, 1) rad, rad/s. Of K instants all side by side.
+    velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet's lowest
+    points, (3, L) m, m/s; their headings and turning rates, (L, 1) rad, rad/s. Of K instants all
+    side by side.
     """
     legs = range(model.legs)
     R, r, v, omega = (ca.SX.sym(n, 3, 3 if n == "R" else 1) for n in ("R", "r", "v", "omega"))
     feet, velocity = (ca.SX.sym(n, 3, model.legs) for n in ("feet", "velocity"))
     heading, turning = (ca.SX.sym(n, model.legs) for n in ("heading", "turning"))
-    beta = {i: ca.mtimes(R.T, feet[:, i] - r) for i in legs}
+    lift = ca.DM([0, 0, model.foot_lift])
+    beta = {i: ca.mtimes(R.T, feet[:, i] + lift - r) for i in legs}
     rate = {i: ca.mtimes(R.T, velocity[:, i] - v) - ca.cross(omega, beta[i]) for i in legs}
     if model.coordinates > 3:
         for i in legs:

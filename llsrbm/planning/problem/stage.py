@@ -8,8 +8,8 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
-from llsrbm.planning.problem.layout import SHIFT, Role
-from llsrbm.planning.problem.rotations import direction, quat_product
+from llsrbm.planning.problem.layout import Role
+from llsrbm.planning.problem.rotations import direction
 from llsrbm.planning.problem.stage_feet import StageFeet
 
 BALANCE_SCALE = 10.0  # the momentum balance in 0.1 m2/s, about as large as the other rows
@@ -36,6 +36,15 @@ class Stage(StageFeet):
         return ca.horzcat(
             *(self.lift(leg.rates(x[:, i], xdot[:, i])) for i, leg in enumerate(legs))
         )
+
+    @cached_property
+    def edge_rates(self) -> Any:
+        """q' of legs `beside_swing` as their feet leave or have met the ground, (n, them)."""
+        legs, rates = self.model.drives.legs, []
+        for i in self.role.beside_swing:
+            x, xdot = self.feet_at_end if i in self.role.rising else self.feet_at_begin
+            rates.append(self.lift(legs[i].rates(x[:, i], xdot[:, i])))
+        return ca.horzcat(*rates)
 
     @cached_property
     def joint_torques(self) -> Any:
@@ -106,9 +115,9 @@ class Stage(StageFeet):
         return self.lift(ca.mtimes(self.R_world_base_mid.T, self.acceleration))
 
     def _load_on_foot(self, leg: int) -> tuple[Any, Any]:
-        """Force (3, 1) N on a standing foot and its moment (3, 1) Nm.
+        """Force (3, 1) N on a standing foot and its moment (3, 1) Nm about its frame.
 
-        In base axes, the moment about the foot's middle; none of points.
+        In base axes; no moment of points, but of those that stand on balls.
         """
         R, corners = self.R_world_base_mid, self.layout.corners
         unit = self.model.mass * GRAVITY / self.layout.contacts
@@ -117,7 +126,8 @@ class Stage(StageFeet):
         total = sum(self.force[:, j] for j in mine)
         force = self.lift(ca.mtimes(R.T, total) * unit)
         if corners == 1:
-            return force, None
+            lift = self.model.foot_lift
+            return force, ca.cross(force, lift * R[2, :].T) if lift else None
         moments = (
             ca.cross(
                 self.standing_contacts[:, self.points[j]] - self.standing_feet[:, leg],
@@ -148,12 +158,10 @@ class Stage(StageFeet):
     @property
     def foot_position(self) -> Any:
         """(3, L) m: as the model sees feet that fly, where the others stand."""
-        flying, R = self.role.flying, self.R_world_base
+        flying = self.role.flying
         return ca.horzcat(
             *(
-                self.position + ca.mtimes(R, self.foot_from_com(i))
-                if i in flying
-                else self.standing_feet[:, i]
+                self.foot_place(i) if i in flying else self.standing_feet[:, i]
                 for i in range(self.layout.legs)
             )
         )
@@ -180,19 +188,24 @@ class Stage(StageFeet):
 
     def next_state(self, following: Role) -> Any:
         """The states at the next knot, of that role (eq. 8)."""
-        dt = self.dt
         step = {
-            "position": lambda: self.position + self.velocity * dt + self.acceleration * dt**2 / 2,
-            "quat": lambda: quat_product(self._quat_mid, self._half_turn),
-            "velocity": lambda: self.velocity + self.acceleration * dt,
-            "momentum": lambda: self.momentum + self.moment * dt,
-            "duration": lambda: self.symbols.get("next_duration", self.duration),
+            "position": lambda: self.position_end,
+            "quat": lambda: self.quat_end,
+            "velocity": lambda: self.velocity_end,
+            "momentum": lambda: self.momentum + self.moment * self.dt,
             "force": lambda: self._next_force(following),
             "feet": lambda: self._next_feet(following),
             "feet_velocity": lambda: self._next_feet_velocity(following),
-            SHIFT: lambda: self.shift,
         }
-        return ca.vertcat(*(step[name]() for name in self.layout.states(following)))
+        # The others do not change, but where another value is chosen.
+        return ca.vertcat(
+            *(
+                step[name]()
+                if name in step
+                else self.symbols.get(f"next_{name}", self.symbols.get(name))
+                for name in self.layout.states(following)
+            )
+        )
 
     def _next_force(self, following: Role) -> Any:
         new, now, steps = map(self.of_legs, ("next_force", "force", "force_step"))

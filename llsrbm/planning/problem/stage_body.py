@@ -44,7 +44,7 @@ class StageBody:
         feet = ca.SX.sym("standing_feet", 3, layout.legs)
         contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
         self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
-        self.towards = ca.SX.sym("towards", 2, layout.legs)
+        self.towards = self._given_towards = ca.SX.sym("towards", 2, layout.legs)
         self.local = ca.vertcat(
             ca.vec(feet), ca.vec(contacts), self.standing_yaw, ca.vec(self.towards)
         )
@@ -54,6 +54,24 @@ class StageBody:
         self.correction = ca.SX.sym("correction", 3)
         self.lift = Lifting(self.variables)
         self.intervals = role.intervals
+
+    @property
+    def own(self) -> Any:
+        """Parameters of the interval alone, in one column."""
+        return self.correction
+
+    @property
+    def penalty(self) -> Any:
+        """Cost of what is given up of the request, see `problem.elastic`."""
+        return ca.SX(0)
+
+    def ground_moved(self, leg: int) -> Any:
+        """m: how far what a flying foot clears is above what the parameters say."""
+        return 0
+
+    def edge_moved(self, leg: int) -> Any:
+        """m along `towards`: likewise of the edge that it crosses."""
+        return 0
 
     @staticmethod
     def local_sizes(layout: Layout) -> dict[str, int]:
@@ -213,3 +231,18 @@ class StageBody:
         return self.lift(
             self.position + self.velocity * self.dt / 2 + self.acceleration * self.dt**2 / 8
         )
+
+    @cached_property
+    def position_end(self) -> Any:
+        """The CoM as the interval ends, (3, 1) m."""
+        return self.position + self.velocity * self.dt + self.acceleration * self.dt**2 / 2
+
+    @cached_property
+    def velocity_end(self) -> Any:
+        """The CoM's as the interval ends, (3, 1) m/s."""
+        return self.velocity + self.acceleration * self.dt
+
+    @cached_property
+    def quat_end(self) -> Any:
+        """q_world_base as the interval ends, (4, 1)."""
+        return quat_product(self._quat_mid, self._half_turn)

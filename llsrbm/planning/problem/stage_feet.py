@@ -12,6 +12,7 @@ from llsrbm.planning.problem.rotations import (
     heading_rate,
     relative_yaw,
     relative_yaw_rate,
+    rotation_matrix,
 )
 from llsrbm.planning.problem.stage_body import StageBody
 
@@ -65,6 +66,11 @@ class StageFeet(StageBody):
         """beta_i at the knot, (3, 1) m, base axes."""
         return self.model.foot_from_com(leg, self.feet_in_hip[:, leg], self.offset)
 
+    def foot_place(self, leg: int) -> Any:
+        """A foot's lowest point at the knot, the middle of a sole, (3, 1) m in the world."""
+        lift = ca.DM([0, 0, self.model.foot_lift])
+        return self.position + ca.mtimes(self.R_world_base, self.foot_from_com(leg)) - lift
+
     def relative_yaw(self, leg: int) -> Any:
         """The foot's yaw against the base at the knot, rad, base axes."""
         return self.model.turn_mirrors[leg] * self.feet_in_hip[3, leg]
@@ -77,7 +83,8 @@ class StageFeet(StageBody):
             in_air: leg -> x_i of the feet that do not.
         """
         standing = [leg for leg in range(self.layout.legs) if leg not in in_air]
-        r_base = self.lift(ca.mtimes(R.T, position))
+        lift = ca.vertcat(0, 0, self.model.foot_lift)
+        r_base = self.lift(ca.mtimes(R.T, position - lift))
         beta = {i: ca.mtimes(R.T, self.standing_feet[:, i]) - r_base for i in standing}
         if self.layout.foot_coordinates > 3:
             for i, direction in self._across(R, standing).items():
@@ -100,24 +107,49 @@ class StageFeet(StageBody):
     @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
-        R, legs, model = self.R_world_base_mid, range(self.layout.legs), self.model
+        return self._moving(
+            self.R_world_base_mid, self.position_mid, self.velocity_mid_base, self.dt / 2
+        )
+
+    @cached_property
+    def feet_at_begin(self) -> tuple[Any, Any]:
+        """x and xdot, (d, L), as the interval begins, with its own angular velocity.
+
+        A foot that lands here stands already.
+        """
+        velocity = self.lift(ca.mtimes(self.R_world_base.T, self.velocity))
+        return self._moving(self.R_world_base, self.position, velocity, 0)[:2]
+
+    @cached_property
+    def feet_at_end(self) -> tuple[Any, Any]:
+        """Likewise as it ends; a foot that leaves there still stands."""
+        R = self.lift(rotation_matrix(self.lift(self.quat_end)))
+        velocity = self.lift(ca.mtimes(R.T, self.velocity_end))
+        return self._moving(R, self.lift(self.position_end), velocity, self.dt)[:2]
+
+    def _moving(self, R: Any, position: Any, velocity: Any, since: Any) -> tuple[Any, ...]:
+        """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at an instant of the interval.
+
+        Args:
+            R, position: of base and CoM at that instant.
+            velocity: of the CoM, base axes.
+            since: time since the knot, s.
+        """
+        legs, model = range(self.layout.legs), self.model
         xdot, in_air = {}, {}
         if self.role.swinging:
             before = ca.horzcat(*(self.feet_velocity[i] for i in self.role.swinging))
             steps = ca.horzcat(*(self.feet_steps[i][0][0] for i in self.role.swinging))
             at_knot = ca.horzcat(*(self.feet_in_hip[:, i] for i in self.role.swinging))
             rate = self.lift(before + steps)
-            place = self.lift(at_knot + rate * self.dt / 2)
+            place = self.lift(at_knot + rate * since)
             xdot = dict(zip(self.role.swinging, ca.horzsplit(rate), strict=True))
             in_air = dict(zip(self.role.swinging, ca.horzsplit(place), strict=True))
         if not self.role.standing:
             o_rate = self.lift(model.offset_map(()).rate(xdot))
             return place, rate, self.lift(model.base_offset(place)), o_rate
-        x, o, beta = self._placed(R, self.position_mid, in_air)
-        seen = {
-            i: -self.velocity_mid_base - ca.cross(self.rotation_rate, b[:3])
-            for i, b in beta.items()
-        }
+        x, o, beta = self._placed(R, position, in_air)
+        seen = {i: -velocity - ca.cross(self.rotation_rate, b[:3]) for i, b in beta.items()}
         for i, direction in self._across(R, list(beta)).items():
             turn = relative_yaw_rate(direction, self.rotation_rate)
             seen[i] = ca.vertcat(seen[i], turn)

@@ -9,7 +9,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.models.drives import near_stops
 from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import Displacement
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
@@ -21,6 +23,10 @@ Array = NDArray[np.float64]
 # What trunk, knees and feet keep from what they clear, m: feet of simulated jumps are 2 cm lower
 # than planned where they cross a hurdle, and knees are thick.
 BODY_MARGIN = 0.04
+# What knees of standing legs keep from the ground, m: simulated legs bend as much deeper as they
+# land.
+KNEE_MARGIN = 0.045
+LEGS_APART = 0.02  # m that legs side by side keep from each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +71,9 @@ class Edges:
         """Of the landing heading's axes the one that leaves the widest gap counts.
 
         Onto a higher surface from a foot's own start to all of the target, to a lower one from all
-        of the start to the foot's own target.
+        of the start to the foot's own target. Where a foot has no gap there is no edge for any: no
+        block fits under all feet of one place without being in the way of the other's, and what
+        they land on comes, or goes, in mid-flight (`llsrbm.simulation.surroundings`).
         """
         c, s = np.cos(goal.heading), np.sin(goal.heading)
         axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])
@@ -79,7 +87,7 @@ class Edges:
         else:
             gaps = after.min(axis=(0, 1)) - before.max(axis=1)
         widest = gaps.max(axis=1)
-        towards = axes[gaps.argmax(axis=1)] * (widest[:, None] > 0)
+        towards = axes[gaps.argmax(axis=1)] * (widest > 0).all()
         return cls(towards, np.maximum(widest, 0.0), rise)
 
 
@@ -102,8 +110,8 @@ class InMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class DriveBounds:
-    """Bounds of a drive constraint's rows, which are shares.
+class RowBounds:
+    """Bounds of a constraint's rows of joints at each knot.
 
     Attributes:
         lower, upper: (N+1, J).
@@ -136,11 +144,15 @@ class Task:
         tuning: what of weights and limits the request changes.
         correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
             the model's over each interval of an earlier solution; None: it is not known.
-        drive_bounds: constraint name -> bounds at which an earlier solution's whole body would have
-            kept to its drives (`constraints.drives`); else the shares of `limits`.
+        agreed_bounds: constraint name -> bounds at which the check of an earlier solution would
+            have held (`AgreedConstraint`); of the others those that follow from `limits`.
         obstacle: what is jumped over, if anything.
         clears: whether trunk and knees are kept clear of it, or of the ground.
         body_margin: m that they keep.
+        knee_margin: m that knees of standing legs keep from what the feet stand on.
+        legs_apart: m that legs side by side keep from each other.
+        wanted: the request of which `jump` does less; None: `jump` is what was asked.
+        displacement: what the jump type says of where each of several jumps leads; () nothing.
     """
 
     jump: Jump
@@ -163,10 +175,14 @@ class Task:
     tuning: Tuning
     motion: InMotion | None = None
     correction: Array | None = None
-    drive_bounds: Mapping[str, DriveBounds] = field(default_factory=dict)
+    agreed_bounds: Mapping[str, RowBounds] = field(default_factory=dict)
     obstacle: Obstacle | None = None
     clears: bool = False
+    wanted: Jump | None = None
+    displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
+    knee_margin: float = KNEE_MARGIN
+    legs_apart: float = LEGS_APART
 
     @property
     def start_momentum(self) -> Array:
@@ -179,11 +195,17 @@ class Task:
         return len(self.robot.joint_names)
 
     @cached_property
+    def stopped_joints(self) -> NDArray[np.int64]:
+        """(n,) places among `joint_names` of joints that may come near a stop."""
+        found: NDArray[np.int64] = self.robot.leg_joint_index[near_stops(self.robot)]
+        return found
+
+    @cached_property
     def lowest_hips(self) -> float:
-        """Least height of the hips above standing feet, m."""
+        """Least height of the hips above the frames of standing feet, m."""
         robot = self.robot
         stands = float((robot.base_position + robot.hips - robot.feet)[:, 2].mean())
-        return self.reach.standing * stands
+        return self.reach.standing * (stands - robot.foot_lift)
 
     def times(self, phase: int) -> tuple[float, float]:
         """Shortest and longest duration of a phase, s."""
@@ -237,6 +259,11 @@ class Task:
             heading=rows[0].heading,
             origin=rows[0].origin,
         )
+
+    @property
+    def steps(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """(P, L) places in which feet stand, or stood last; and stand, or stand next."""
+        return self._stood, self._lands
 
     def landing_place(self, phase: int, leg: int) -> int:
         """The place in which a foot stands in a phase, or stands next."""

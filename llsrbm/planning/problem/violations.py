@@ -119,7 +119,7 @@ def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> s
         demand = constraint.demand(knots) if constraint and knots else None
         where = f"in {v.phase} at {v.time:.2f} s"
         plain = f"{name} is violated by {v.amount:.3g} {v.unit} {where}"
-        words.append(plain if demand is None else demand.words)
+        words.append(plain if demand is None else str(demand.demand))
     # Torque at rest and torque at speed may be exceeded by the same joint.
     return "; ".join(list(dict.fromkeys(words))[:3])
 
@@ -128,7 +128,7 @@ def stops(knots: Knots) -> tuple[Stop, ...]:
     """Violated constraints, the worst first, with the limits that would have to be others.
 
     Of a solve that failed this is what it could not mend, which need not be what made it fail:
-    `llsrbm.planning.solve.explanation` finds that, with further solves.
+    `llsrbm.planning.solve.reasons` finds that.
     """
     found = violations(knots)
     broken = sorted(
@@ -205,5 +205,5 @@ def with_demand(stop: Stop, demand: JointDemand | None, knots: Knots) -> Stop:
         stop,
         phase=phase_name(knots, demand.interval),
         time=float(knots.time[demand.interval]),
-        detail=demand.words,
+        demand=demand.demand,
     )

@@ -39,7 +39,7 @@ from llsrbm.planning.replan.under_way import (
     relaxed_limits,
 )
 from llsrbm.planning.solve.formulation import Formulation, knot_arrays
-from llsrbm.planning.solve.solver_cache import cached_solver
+from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
 
@@ -115,14 +115,18 @@ class Replanner:
         # And for which time, s on the plan's clock.
         self._last: dict[Layout, tuple[float, Iterate]] = {}
 
-    def prepare(self, phase: int) -> None:
+    def prepare(self, phase: int, *, settled: bool = False) -> None:
         """Load the solvers of what remains in a phase, or build them, and solve it as planned.
 
+        `settled`: wait for a compiler that is at work on them: answers come as fast as ever then.
         Twice, as guesses and solutions have solvers of their own: so that the first answer comes as
         fast as the later ones.
         """
+        state = planned_state(self.plan, phase)
+        if settled:
+            self._formulation(self._task_from(state).schedule).solver.settle()
         for _ in range(2):
-            self.replan(planned_state(self.plan, phase))
+            self.replan(state)
 
     def replan(self, state: State) -> Answer:
         """Plan what remains: what is found replaces `plan` from the state's time on."""
@@ -365,4 +369,6 @@ class Replanner:
 def _kept(robot: Robot, model: str, layout: Layout) -> Formulation:
     """Of all jumps in a row, such as a table's."""
     made = make_model(model, robot)
-    return Formulation(robot, made, layout, cached_solver(solvers.Fatrop, made, layout, robot))
+    return Formulation(
+        robot, made, layout, cached_solver(solvers.Fatrop, of_jumps(made, layout, robot))
+    )

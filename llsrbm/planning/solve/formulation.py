@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,7 @@ from llsrbm.motion.plan import Plan, SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import PATIENT, SolveOptions, Solver
-from llsrbm.planning.problem.constraints.drives import DRIVES
+from llsrbm.planning.problem.constraints import AGREED
 from llsrbm.planning.problem.constraints.truth import TrueTurn, correction
 from llsrbm.planning.problem.horizon import (
     evaluated_rows,
@@ -26,20 +26,16 @@ from llsrbm.planning.problem.horizon import (
 )
 from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
 from llsrbm.planning.problem.layout import Layout
-from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import TOLERANCE, excess, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.solver_cache import is_compiling
 from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-# Flight time of a second guess, s: long flights leave room for what a short one cannot.
-PATIENT_FLIGHT = 0.45
-# Shares of the request that are solved before all of it, when that cannot be solved at once.
-EASIER = (0.34, 0.67)
 # Shares of the drives that a flip is solved with first: a guess of it is far from what drives can
 # do, and from much stronger ones the way is short.
 STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
@@ -52,8 +48,8 @@ FOLLOWS = 2
 CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)
 # Solves with a corrected model; each takes the error down by some nine tenths.
 CORRECTIONS = 3
-# Solves with shifted bounds of the drives; one is enough for most. Each has to take the excess down
-# to this share of what it was.
+# Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
+# excess down to this share of what it was.
 SHIFTS = 6
 SHRINKS = 0.8
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
@@ -106,6 +102,9 @@ class Formulation:
     model: CentroidalModel
     layout: Layout
     solver: Solver
+    shifts: ClassVar[int] = SHIFTS  # at most, of `agreed`
+    # Constraints that `agreed` may satisfy by solving again with the results of the check.
+    mended: ClassVar[frozenset[str]] = frozenset({*(c.name for c in AGREED), TrueTurn.name})
 
     def problem(self, task: Task) -> Problem:
         """The task's numbers."""
@@ -119,20 +118,6 @@ class Formulation:
         """A guess: another task's solution, moved as the analytic guesses of the two differ."""
         w = near.solution.variables + self.guess(task) - self.guess(near.task)
         return self.layout.normalised(w)
-
-    def easier(self, task: Task) -> Iterator[Task]:
-        """Shares of the jump under the task's limits; at last the task itself."""
-        for share in EASIER:
-            yield replace(
-                place_task(scaled(task.jump, share), self.robot, task.tuning),
-                limits=task.limits,
-                reach=task.reach,
-                timing=task.timing,
-                foot=task.foot,
-                body_margin=task.body_margin,
-                obstacle=None,  # feet of a shorter jump would land on it
-            )
-        yield task
 
     def stronger(self, task: Task) -> Iterator[Task]:
         """The task with drives that give more, from much more on; at last the task itself."""
@@ -168,8 +153,8 @@ class Formulation:
 
         The legs' maps are a few per cent wrong far from where they were fitted, which a body that
         turns over shows as a dozen degrees: the whole body's angular momentum in the postures found
-        says by how much. The rows of the drives are approximations: their bounds are shifted by
-        what they differ from the whole body's torques and speeds.
+        says by how much. The rows of drives and stops are approximations: their bounds are shifted
+        by what they differ from the whole body's torques, speeds and angles.
         """
         attempts = [attempt]
         while len(attempts) <= CORRECTIONS and TrueTurn.name in attempts[-1].broken:
@@ -177,21 +162,26 @@ class Formulation:
             task = replace(last.task, correction=correction(last.knots))
             options = solve_options(task)
             attempts.append(self.solve(task, last.solution.variables, watch, options))
-        last, drives = attempts[-1], {c.name: c for c in DRIVES}
-        for _ in range(SHIFTS):
-            if not last.broken or not last.broken <= {*drives, TrueTurn.name}:
+        last = attempts[-1]
+        for _ in range(self.shifts):
+            if not last.broken or not last.broken <= self.mended:
                 break
-            bounds = {name: c.agreed_bounds(last.knots) for name, c in drives.items()}
-            task = replace(last.task, drive_bounds=bounds)
+            bounds = {c.name: c.agreed_bounds(last.knots) for c in AGREED}
+            task = replace(last.task, agreed_bounds=bounds)
             if task.correction is not None or TrueTurn.name in last.broken:
                 task = replace(task, correction=correction(last.knots))
-            attempts.append(self.follow(task, last.solution, watch))
-            if not attempts[-1].solution.converged:
-                attempts.append(self.solve(task, last.solution.variables, watch, CLOSE))
+            attempts.extend(self.again(task, last.solution, watch))
             before, last = last, attempts[-1]
             if excess(last.violations) > SHRINKS * excess(before.violations):
                 break
         return with_all_time(attempts)
+
+    def again(self, task: Task, last: Iterate, watch: Watch) -> list[Attempt]:
+        """Solve a task whose numbers differ a little from those of a solution's."""
+        followed = self.follow(task, last, watch)
+        if followed.solution.converged:
+            return [followed]
+        return [followed, self.solve(task, last.variables, watch, CLOSE)]
 
     def plan(self, attempt: Attempt, attempts: int, solve_time: float, begun: float) -> Plan:
         """The plan of the best of several attempts.
@@ -213,6 +203,7 @@ class Formulation:
             build_time_s=0.0,
             cost=solution.cost,
             guess=attempt.label,
+            compiling=is_compiling(self.solver),
         )
         return Plan(
             jump=task.jump,

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.problem.constraints.swing import ground_line
+from llsrbm.planning.problem.foot_clearance import ground_line
 from llsrbm.planning.problem.knots import Sampled, pack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.rotations import feet_seen

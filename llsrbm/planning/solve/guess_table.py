@@ -39,6 +39,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
+from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -261,16 +262,21 @@ _NAMES = {
 
 def _of(formulation: Formulation) -> dict[str, Any]:
     """Plain data on which a table's solutions depend."""
-    numbers = formulation.robot.parameters()
-    numbers = _rounded({name: numbers[name] for name in NUMBERS})
     return {
         "schema": SCHEMA,
-        "robot": content_key(json.dumps(numbers, sort_keys=True)).hex(),
+        "robot": numbers_key(formulation.robot),
         "model": formulation.model.name,
         "layout": repr(formulation.layout),
         "sizes": list(formulation.solver.sizes),
         "weights": default_weights(),
     }
+
+
+def numbers_key(robot: Robot) -> str:
+    """A key of a robot's numbers, on which its solutions depend."""
+    numbers = robot.parameters()
+    numbers = _rounded({name: numbers[name] for name in NUMBERS})
+    return content_key(json.dumps(numbers, sort_keys=True)).hex()
 
 
 def _rounded(data: Any) -> Any:

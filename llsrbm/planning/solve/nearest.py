@@ -1,34 +1,143 @@
-"""The nearest jump that can be planned: less of one component of the request, or of all alike."""
+"""The nearest jump that can be planned: the elastic problem solved, and its jump made round.
+
+Types with whole turns, and motions that are under way, have none: a turn is whole or it is none,
+and a motion under way lands where it can already. Of several displacements all that follow the
+request are reduced alike.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property
 
-from llsrbm.errors import Error, NoFooting
-from llsrbm.motion.plan import Plan
-from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.explanation import explain, in_words
-from llsrbm.planning.solve.formulation import Attempt
-from llsrbm.planning.solve.planner import Planner
-from llsrbm.planning.solve.progress import PlanningProgress, Watch
-from llsrbm.planning.solve.search import FeasibilitySearch
-from llsrbm.request.jump import Jump
-from llsrbm.robots.schema import Task as Ranges
+import numpy as np
+from numpy.typing import NDArray
 
-# rad and m; results are whole steps of the components that were reduced.
-STEPS = {
-    "twist": math.radians(1.0),
-    "forward": 0.01,
-    "lateral": 0.01,
-    "height": 0.01,
-}
+from llsrbm.errors import NoFooting
+from llsrbm.ocp import solvers
+from llsrbm.ocp.horizon import Iterate, Problem, Solution
+from llsrbm.planning.problem.clearance_profile import check_footing
+from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
+from llsrbm.planning.problem.constraints.edge import Edge
+from llsrbm.planning.problem.constraints.given_up import most
+from llsrbm.planning.problem.elastic import GIVE_UP, GIVEN_UP, ElasticLayout, elastic_parameters
+from llsrbm.planning.problem.horizon import rows_within
+from llsrbm.planning.problem.parameters import parameter_places
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.formulation import (
+    Attempt,
+    Formulation,
+    scaled,
+)
+from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
+from llsrbm.request.jump import COMPONENTS, Jump
 
-# Where the next try is made between what works, 0, and what does not, 1: nearer to what works, as
-# a failure takes longer than a success.
-CAUTION = 0.4
+Array = NDArray[np.float64]
+
+# rad and m: results are whole steps of the components that are reduced.
+STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
+GUESSED = 0.5  # share of the request that is guessed
+# Costs of a whole range that is given up. With the first a solve gets there, with the second it
+# keeps what is merely expensive: 14 to 20 degrees of hard jumps.
+PENALTIES = (200.0, 600.0)
+# One with which the corners of the range get somewhere, too; it gives up more than has to be.
+EASY = 30.0
+NOTHING = 1e-3  # of a range; what is given up below it may be nothing
+# More of what is given up, in shares of the ranges, where the whole body objects to the first.
+FURTHER = (0.0, 0.015, 0.05)
+FIRST = replace(solvers.PATIENT, mu=0.1, iterations=100)
+# From where the plain problem was given up: 21 to 36 iterations, from the first guess 39 to 74.
+BEGUN = replace(solvers.PATIENT, iterations=50)
+DEARER = replace(solvers.PATIENT, iterations=80)  # 28 to 63 are needed
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticFormulation(Formulation):
+    """The same jumps, with what is given up of a request as a variable.
+
+    Its attempts have tasks of the jumps that they do, judged as those are; their solutions are of
+    the elastic problem.
+
+    Attributes:
+        plain: the formulation of these jumps.
+        penalty: of a whole range that is given up.
+    """
+
+    plain: Formulation
+    penalty: float = PENALTIES[-1]
+    # The plain problem goes on where these leave something.
+    shifts = 2
+    # Of a nearer jump the edge to be minded may be another one.
+    mended = Formulation.mended | {Edge.name, BodyClearance.name}
+
+    @classmethod
+    def of(cls, plain: Formulation, layout: ElasticLayout) -> ElasticFormulation:
+        """Beside a formulation, its solver loaded or built."""
+        solver = cached_solver(type(plain.solver), of_jumps(plain.model, layout, plain.robot))
+        return cls(plain.robot, plain.model, layout, solver, plain)
+
+    def problem(self, task: Task) -> Problem:
+        """The task's numbers."""
+        problem = super().problem(task)
+        problem.parameters[parameter_places(self.layout)["penalty"]] = self.penalty
+        return problem
+
+    def judged(self, task: Task, solution: Solution) -> Attempt:
+        """The motion of a solution, checked as one of the jump that it does."""
+        reached = placed(task, self.done(task, solution.variables))
+        plain = replace(solution, **vars(self.plainly(task, solution)))
+        return replace(self.plain.judged(reached, plain), solution=solution)
+
+    def again(self, task: Task, last: Iterate, watch: Watch) -> list[Attempt]:
+        """Not followed: what is given up changes too much for that."""
+        return [self.solve(task, last.variables, watch, DEARER)]
+
+    def done(self, task: Task, variables: Array) -> Jump:
+        """The jump that a solution does."""
+        numbers = elastic_parameters(self._layout, task)
+        given_up = np.maximum(variables[self._given_up[-1]], 0.0)
+        reached = numbers["asked"] - numbers["scale"] * given_up
+        return replace(task.jump, **dict(zip(COMPONENTS, reached.tolist(), strict=True)))
+
+    def embedded(self, task: Task, variables: Array, jump: Jump) -> Array:
+        """All variables, from those of a plain problem with a jump that does less than asked."""
+        numbers = elastic_parameters(self._layout, task)
+        reached = np.array([getattr(jump, name) for name in COMPONENTS])
+        less, scale = numbers["asked"] - reached, numbers["scale"]
+        given_up = np.divide(less, scale, out=np.zeros_like(less), where=scale != 0)
+        out = np.zeros(self.layout.size_total)
+        out[self._variables] = variables
+        out[self._given_up] = np.clip(given_up, 0.0, most(self._layout, task))
+        return out
+
+    def plainly(self, task: Task, solution: Iterate) -> Iterate:
+        """Variables and multipliers of the plain problem."""
+        rows = rows_within(self.plain.layout, self.layout, task)
+        return Iterate(solution.variables[self._variables], solution.multipliers[rows])
+
+    @property
+    def _layout(self) -> ElasticLayout:
+        assert isinstance(self.layout, ElasticLayout)
+        return self.layout
+
+    @cached_property
+    def _variables(self) -> NDArray[np.int64]:
+        """Places of the plain problem's variables."""
+        pairs = [
+            (self.layout.variables(knot)[name], place)
+            for knot in range(self.layout.knots)
+            for name, place in self.plain.layout.variables(knot).items()
+        ]
+        return np.concatenate([np.arange(mine.start, mine.stop) for mine, _ in pairs])
+
+    @cached_property
+    def _given_up(self) -> NDArray[np.int64]:
+        """(n, 4) places of what is given up; the first of its choice, the others of the states."""
+        return np.vstack([self.layout.places(GIVE_UP), self.layout.places(GIVEN_UP)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,196 +145,153 @@ class Nearest:
     """The nearest jump that can be planned.
 
     Attributes:
-        jump: what can be planned; plan: its plan.
-        changes: how it differs from the request, in words; "" if it does not.
+        plain: it, solved.
+        elastic: the solution of the elastic problem, which knows what stops the rest.
+        formulation: of the elastic problem.
     """
 
-    jump: Jump
-    plan: Plan
-    changes: str
-
-
-@dataclass(frozen=True)
-class Way:
-    """One way to ask for less: some components reduced alike, the others kept.
-
-    Attributes:
-        jump: the request, within the robot's range.
-        reduced: names of the components.
-    """
-
-    jump: Jump
-    reduced: tuple[str, ...]
-
-    @property
-    def steps(self) -> int:
-        """Number of steps of the largest of them."""
-        return max(math.ceil(_steps(self.jump, name) - 1e-6) for name in self.reduced)
-
-    def at(self, step: int) -> Jump:
-        """The jump at a step: 0, nothing of the components; `steps`, all."""
-        if step >= self.steps:
-            return self.jump
-        share = step / self.steps
-        less = {}
-        for name in self.reduced:
-            whole = math.floor(share * _steps(self.jump, name) + 1e-6)
-            less[name] = math.copysign(whole * STEPS[name], getattr(self.jump, name)) + 0.0
-        return _with(self.jump, less)
+    plain: Attempt
+    elastic: Attempt
+    formulation: ElasticFormulation
 
 
 def find_nearest(
-    planner: Planner,
-    jump: Jump,
-    *,
-    weights: Mapping[str, float] | None = None,
-    limits: Mapping[str, float] | None = None,
-    progress: Callable[[str], None] | None = None,
-    cancelled: Callable[[], bool] | None = None,
-) -> Nearest:
-    """Find the nearest jump that can be planned, its distance in shares of the robot's ranges.
-
-    Components of the request beyond the robot's range are taken back to it first. Then each
-    component alone is reduced, and all alike, as little as does; the smallest change wins.
-
-    Raises:
-        InputError: an unknown weight or limit.
-        Error: not even a jump on the spot can be planned; says which limits would have to change.
-        Cancelled: `cancelled` was true.
+    formulation: ElasticFormulation,
+    task: Task,
+    watch: Watch,
+    begun: tuple[Jump, Array] | None = None,
+) -> Nearest | None:
+    """The nearest jump to a task's; None: not even a small share of it can be planned.
 
     Args:
-        planner: of the jump's robot and model.
-        jump: the request.
-        weights, limits: as in `llsrbm.plan`.
-        progress: called with each try, in words.
-        cancelled: called before and during every solve; true to stop.
+        formulation: of the elastic problem.
+        task: the request's.
+        watch: reports and cancels.
+        begun: a jump that does no more, and all plain variables of its solution, or of where that
+            was given up, to start from.
+
+    Raises:
+        Cancelled: it is not wanted any more.
     """
-    robot = planner.formulation.robot
-    ranges = robot.file.task
-    within = _within(jump, ranges)
-    on_the_spot = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
-
-    def report(step: PlanningProgress) -> None:
-        if progress is not None and step.iteration is None:
-            progress(step.text)
-
-    search = FeasibilitySearch(planner.formulation, Watch(cancelled, progress and report))
-    tried = _Reductions(search, lambda other: _distance(other, within, ranges), weights, limits)
-    if tried.found(on_the_spot) is None:
-        search.about = "what stops a jump on the spot"
-        stops = explain(search, make_task(on_the_spot, robot, weights, limits))
-        raise Error(f"not even a jump on the spot can be planned: {in_words(stops)}")
-    components = tuple(name for name in STEPS if getattr(within, name) != 0)
-    ways = [(name,) for name in components] if len(components) > 1 else []
-    for reduced in [components, *ways] if components else []:
-        tried.along(Way(within, reduced))
-    best = tried.best
-    return Nearest(best.task.jump, search.plan(best), _changes(jump, best.task.jump))
+    for start, options, penalty in _starts(formulation, task, begun):
+        way = replace(formulation, penalty=penalty)
+        elastic = way.solve(task, start, watch, options)
+        if elastic.solution.converged:
+            break
+    else:
+        return None
+    if distance(elastic.task, elastic.task.jump) < NOTHING:
+        plain = _made_round(way, elastic, watch)
+        if plain is not None and plain.task.jump == task.jump:
+            return Nearest(plain, elastic, way)
+    for dearer, first in reversed([*_dearer(way, elastic, watch)]):
+        agreed = dearer.agreed(first, watch)
+        plain = _made_round(dearer, agreed, watch)
+        if plain is not None:
+            return Nearest(plain, agreed, dearer)
+    # Edges come and go with the jump; the first solution met those that it knew.
+    plain = _made_round(way, elastic, watch)
+    return None if plain is None else Nearest(plain, elastic, way)
 
 
-class _Reductions:
-    """Looks along one way after another, no further than could still be nearer."""
+def _dearer(
+    way: ElasticFormulation, elastic: Attempt, watch: Watch
+) -> Iterator[tuple[ElasticFormulation, Attempt]]:
+    """A solution, and those after it of ever higher penalties, as long as they converge.
 
-    def __init__(
-        self,
-        search: FeasibilitySearch,
-        distance: Callable[[Jump], float],
-        weights: Mapping[str, float] | None,
-        limits: Mapping[str, float] | None,
-    ) -> None:
-        self.search = search
-        self._distance = distance
-        self._weights, self._limits = weights, limits
-        self._known: list[Attempt] = []
-
-    @property
-    def best(self) -> Attempt:
-        """The nearest so far."""
-        return min(self._known, key=lambda found: self._distance(found.task.jump))
-
-    def found(self, jump: Jump) -> Attempt | None:
-        """A jump's solution from the nearest that is known."""
-        known = next((found for found in self._known if found.task.jump == jump), None)
-        if known is not None:
-            return known
-        self.search.about = f"looking for a jump that works: {_in_words(jump)}"
-        try:
-            task = make_task(jump, self.search.formulation.robot, self._weights, self._limits)
-        except NoFooting:
-            return None
-        ranges = self.search.formulation.robot.file.task
-        near = min(
-            self._known,
-            key=lambda found: _distance(found.task.jump, jump, ranges),
-            default=None,
-        )
-        found = self.search.solve(task, near)
-        if found is not None:
-            self._known.append(found)
-        return found
-
-    def along(self, way: Way) -> None:
-        """Find the furthest step of a way that works, if it is nearer than what is known."""
-        nearest = self._distance(self.best.task.jump)
-        nearer = (n for n in range(way.steps + 1) if self._distance(way.at(n)) < nearest)
-        works = next(nearer, None)
-        if works is None:
+    None is looked for where nothing is given up.
+    """
+    yield way, elastic
+    if distance(elastic.task, elastic.task.jump) <= NOTHING:
+        return
+    for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
+        way = replace(way, penalty=penalty)
+        elastic = way.solve(elastic.task, elastic.solution.variables, watch, DEARER)
+        if not elastic.solution.converged:
             return
-        if way.at(0) in [found.task.jump for found in self._known]:
-            works = 0
-        elif self.found(way.at(works)) is None:
-            return
-        if self.found(way.at(way.steps)) is not None:
-            return
-        fails = way.steps
-        while fails - works > 1:
-            step = works + max(1, round(CAUTION * (fails - works)))
-            if self.found(way.at(step)) is None:
-                fails = step
-            else:
-                works = step
+        yield way, elastic
 
 
-def _within(jump: Jump, ranges: Ranges) -> Jump:
-    clamped = {
-        name: min(max(getattr(jump, name), low), high) for name, (low, high) in _ends(ranges)
-    }
-    return _with(jump, clamped)
+def _starts(
+    formulation: ElasticFormulation, task: Task, begun: tuple[Jump, Array] | None
+) -> Iterator[tuple[Array, solvers.SolveOptions, float]]:
+    """Variables, options and penalty of one start after another."""
+    if begun is not None:
+        jump, variables = begun
+        yield formulation.embedded(task, variables, jump), BEGUN, PENALTIES[0]
+    less = scaled(task.jump, GUESSED)
+    guess = formulation.embedded(task, formulation.plain.guess(placed(task, less)), less)
+    for penalty in (PENALTIES[0], EASY):
+        yield guess, FIRST, penalty
 
 
-def _with(jump: Jump, components: Mapping[str, float]) -> Jump:
-    changed: dict[str, Any] = dict(components)
-    return replace(jump, **changed)
+def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch) -> Attempt | None:
+    """The plain problem's solution: of whole steps, or else just as it is."""
+    plain = formulation.plain
+    start = formulation.plainly(elastic.task, elastic.solution)
+    if elastic.solution.converged:
+        for jump in _rounded(elastic.task):
+            task = replace(placed(elastic.task, jump), wanted=None)
+            attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
+            if attempt.solved and _stands(attempt.task):
+                return attempt
+    if not elastic.solved or not _stands(elastic.task):
+        return None
+    solution = replace(elastic.solution, **vars(start))
+    return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
 
 
-def _ends(ranges: Ranges) -> list[tuple[str, tuple[float, float]]]:
-    return [(name, getattr(ranges, name)) for name in STEPS]
+def _stands(task: Task) -> bool:
+    try:
+        check_footing(task)
+    except NoFooting:
+        return False
+    return True
 
 
-def _distance(one: Jump, other: Jump, ranges: Ranges) -> float:
-    """Distance of two requests, each component as a share of the robot's range."""
+def distance(task: Task, jump: Jump) -> float:
+    """Of a jump from a task's request: components as shares of the robot's ranges."""
+    wanted, own = task.wanted or task.jump, task.robot.file.task
     shares = (
-        (getattr(one, name) - getattr(other, name)) / ((high - low) or 1.0)
-        for name, (low, high) in _ends(ranges)
+        (getattr(wanted, name) - getattr(jump, name)) / ((high - low) or 1.0)
+        for name, (low, high) in ((name, getattr(own, name)) for name in COMPONENTS)
     )
     return math.hypot(*shares)
 
 
-def _steps(jump: Jump, name: str) -> float:
-    return abs(getattr(jump, name)) / STEPS[name]
+def _rounded(task: Task) -> Iterator[Jump]:
+    """Jumps of whole steps near a task's: what was asked if that is near, the next less, and less.
+
+    A component counts as given up where it is off by more than half a step.
+    """
+    wanted, reached = task.wanted, task.jump
+    assert wanted is not None
+    if distance(task, reached) < NOTHING:
+        yield wanted
+    for further in FURTHER:
+        steps = {}
+        for name, step in STEPS.items():
+            whole, value = getattr(wanted, name), getattr(reached, name)
+            steps[name] = whole
+            if abs(whole - value) > step / 2:
+                low, high = getattr(task.robot.file.task, name)
+                left = max(abs(value) - further * (high - low), 0.0)
+                steps[name] = math.copysign(math.floor(left / step + 1e-6) * step, whole)
+        yield replace(wanted, **steps)
 
 
-def _value(jump: Jump, name: str) -> str:
-    value = getattr(jump, name)
-    return f"{math.degrees(value):.4g} deg" if name == "twist" else f"{value:.3g} m"
-
-
-def _in_words(jump: Jump) -> str:
-    moved = [f"{name} {_value(jump, name)}" for name in STEPS if getattr(jump, name) != 0]
-    return ", ".join(moved) or "on the spot"
-
-
-def _changes(request: Jump, found: Jump) -> str:
-    """The differences, in words; values that look alike are none."""
-    values = ((name, _value(found, name), _value(request, name)) for name in STEPS)
-    return ", ".join(f"{name} {new} instead of {old}" for name, new, old in values if new != old)
+def placed(task: Task, jump: Jump) -> Task:
+    """The task of another jump, under the same limits; what it was asked for is kept."""
+    return replace(
+        place_task(jump, task.robot, task.tuning),
+        limits=task.limits,
+        reach=task.reach,
+        timing=task.timing,
+        foot=task.foot,
+        body_margin=task.body_margin,
+        knee_margin=task.knee_margin,
+        legs_apart=task.legs_apart,
+        correction=task.correction,
+        agreed_bounds=task.agreed_bounds,
+        wanted=task.wanted or task.jump,
+    )

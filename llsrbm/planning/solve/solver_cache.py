@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import logging
 import zlib
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, lru_cache
 from pathlib import Path
+from weakref import WeakKeyDictionary
 
 import casadi as ca
 
 from llsrbm.cache import cache_path, cached_bytes, content_key
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp import fatrop_patches
+from llsrbm.ocp.compile_job import failed
 from llsrbm.ocp.compiled import Library, c_files, compiler, packed
+from llsrbm.ocp.horizon import Horizon
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
 from llsrbm.ocp.transcription import Transcription
@@ -25,34 +30,64 @@ _log = logging.getLogger(__name__)
 _PACKAGE = Path(__file__).parents[2]
 
 
-def cached_solver(
-    kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
-) -> Solver:
-    """The solver of a model's jumps, from the cache if it is there, compiled if that is there.
+# Where the library will be of solvers that work without one so far.
+_compiled_for: WeakKeyDictionary[Solver, Path] = WeakKeyDictionary()
+
+
+def is_compiling(solver: Solver) -> bool:
+    """True while a solver is being compiled: until then it takes about twice as long."""
+    path = _compiled_for.get(solver)
+    return path is not None and not path.exists() and not failed(path).exists()
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A problem of which there is a solver.
+
+    Attributes:
+        of, variant: the robot and model, and the layout, in the cache's names; title: for people.
+        numbers: all that its expressions depend on, beside the package.
+    """
+
+    of: str
+    variant: str
+    title: str
+    numbers: str
+    horizon: Callable[[], Horizon]
+
+
+def of_jumps(model: CentroidalModel, layout: Layout, robot: Robot) -> Subject:
+    """A model's jumps."""
+    return Subject(
+        of=f"{robot.name}-{model.name}",
+        variant=layout.name,
+        title=f"{model.name} solver of {robot.name}",
+        numbers=repr((robot.parameters(), model.numbers(), layout)),
+        horizon=lambda: make_horizon(model, layout),
+    )
+
+
+def cached_solver(kind: type[Solver], subject: Subject) -> Solver:
+    """A problem's solver, from the cache if it is there, compiled if that is there.
 
     Otherwise, where there is a compiler, it is compiled in the background, and the solver takes
     what comes of it in the first solve after that.
     """
     with solving:
-        return _cached_solver(kind, model, layout, robot)
+        return _cached_solver(kind, subject)
 
 
-def _cached_solver(
-    kind: type[Solver], model: CentroidalModel, layout: Layout, robot: Robot
-) -> Solver:
+def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
     @cache
     def transcription() -> Transcription:
-        _log.info("building the %s solver of %s, once on this machine", model.name, robot.name)
-        return Transcription(make_horizon(model, layout))
+        _log.info("building the %s, once on this machine", subject.title)
+        return Transcription(subject.horizon())
 
     def text() -> bytes:
         solver = kind(transcription())
         return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
-    name = f"solver-{robot.name}-{model.name}-{kind.name}-{layout.name}"
-    key = content_key(
-        ca.__version__, kind.name, sources("ocp"), _fingerprint(name, model, layout, robot)
-    )
+    name, key = _entry(kind, subject)
     library, tool = None, compiler() if kind.compiled else None
     if tool is not None:
         fatrop_patches.load(tool)
@@ -66,20 +101,32 @@ def _cached_solver(
             tool, cached_bytes(name, key, ".c.z", lambda: packed(c_files(transcription())))
         )
         solver.replace_by(library.load, library.wait)
+        _compiled_for[solver] = library.path
     return solver
 
 
-def _fingerprint(name: str, model: CentroidalModel, layout: Layout, robot: Robot) -> bytes:
+def is_built(kind: type[Solver], subject: Subject) -> bool:
+    """Whether the cache has a solver, so that it takes next to no time."""
+    with solving:
+        name, key = _entry(kind, subject)
+        return cache_path(name, key, ".casadi.z").exists()
+
+
+def _entry(kind: type[Solver], subject: Subject) -> tuple[str, bytes]:
+    """Name and key of a solver in the cache."""
+    name = f"solver-{subject.of}-{kind.name}-{subject.variant}"
+    numbers = _fingerprint(name, subject)
+    return name, content_key(ca.__version__, kind.name, sources("ocp"), numbers)
+
+
+def _fingerprint(name: str, subject: Subject) -> bytes:
     """Of the problem's expressions, wherever their numbers come from.
 
     To build them takes a quarter of a second, so it is kept under all that they may depend on:
     every line of the package, and the numbers of robot and model.
     """
-    numbers = repr((robot.parameters(), model.numbers(), layout))
-    key = content_key(ca.__version__, sources(), numbers)
-    return cached_bytes(
-        name, key, ".key", lambda: make_horizon(model, layout).fingerprint().encode("ascii")
-    )
+    key = content_key(ca.__version__, sources(), subject.numbers)
+    return cached_bytes(name, key, ".key", lambda: subject.horizon().fingerprint().encode("ascii"))
 
 
 @lru_cache

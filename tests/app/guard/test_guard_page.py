@@ -63,7 +63,7 @@ def page(browser, designer):
     page.console = []
     page.on("console", lambda message: page.console.append(message.text))
     page.goto(designer.url + FRAGMENT)
-    status(page, "Planned")
+    status(page, "Feasible")
     page.evaluate("llsrbm.player.pause()")  # drawing takes the processor from all else
     yield page
     context.close()
@@ -86,7 +86,7 @@ def own(designer):
 
 
 def test_the_page_works_and_nothing_of_it_is_blocked(page, designer):
-    status(page, "Planned")
+    status(page, "Feasible")
     assert page.url == own(designer)  # no token
     assert page.evaluate("window.llsrbmFragment") == FRAGMENT  # what the link was about
     wait_until(lambda: dark(picture(page)).sum() > 3000, "the robot")

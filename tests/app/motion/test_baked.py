@@ -111,12 +111,13 @@ def test_force_phases(rollout, mode, expected):
 
 
 def test_a_stiff_robot_has_equal_ellipsoids(robot):
+    """But for how feet that stand still move seen from a body that begins to turn."""
     replay = bake_plan(synthetic_plan(Jump(twist=1.5, forward=0.3, height=0.1)), robot)
     assert replay.frames.inertia_axes == pytest.approx(
-        np.broadcast_to(replay.rigid_axes, replay.frames.inertia_axes.shape)
+        np.broadcast_to(replay.rigid_axes, replay.frames.inertia_axes.shape), rel=0.01
     )
     same = np.abs(np.sum(replay.frames.inertia_wxyz * replay.rigid_wxyz, axis=1))
-    assert same == pytest.approx(1.0)
+    assert same == pytest.approx(1.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("broken", ["com", "base_quat", "inertia", "joint_position"])

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -72,9 +70,8 @@ def assert_looks_from(page, name):
 
 
 def corners(page):
-    """Where the corners of the box around the motion are in the picture, -1 to 1."""
-    sight = page.evaluate("llsrbm.camera.sight")
-    points = np.array(list(itertools.product(*zip(sight["low"], sight["high"], strict=True))))
+    """Where the outermost points of the motion are in the picture, -1 to 1."""
+    points = np.array(page.evaluate("llsrbm.camera.sight.points"))
     place, target = looks(page)
     ahead = (target - place) / np.linalg.norm(target - place)
     right = np.cross(ahead, [0, 0, 1])
@@ -159,6 +156,9 @@ def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(
     """Without a graphics processor Chromium cut off the canvas' top, see static/camera.js."""
     page.evaluate("llsrbm.camera.look('front')")
     still(page)
+    # What stands is drawn in full, once it has stood for a while.
+    whole = "(({width, clientWidth}) => width >= clientWidth)(window.__viserMutable.canvas)"
+    wait_until(lambda: page.evaluate(whole), "a picture in full")
     with looked_at(page), page.expect_download() as download:
         page.keyboard.press("p")
     assert download.value.suggested_filename == "anymal-0.00s.png"

@@ -50,6 +50,40 @@ def test_layers_are_told_apart(sight):
 
 @pytest.mark.parametrize("ground", [(255, 255, 255), DARK_PANEL])
 def test_layers_stand_out(ground):
-    luminances = [XYZ[1] @ linear(rgb) + 0.05 for rgb in (ground, *LAYERS)]
+    luminances = [XYZ[1] @ linear(rgb) + 0.05 for rgb in (ground, *LAYERS, *colours.COMPONENTS)]
     ratios = [max(L / luminances[0], luminances[0] / L) for L in luminances[1:]]
     assert min(ratios) > 2.5
+
+
+def test_components_are_told_apart_and_taken_for_no_motion():
+    motions = (colours.PLANNED, colours.SIMULATED, colours.REFERENCE)
+    seen = [lab(linear(rgb)) for rgb in (*colours.COMPONENTS, *motions)]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 20
+
+
+MEANINGS = (
+    colours.PLANNED,
+    colours.SIMULATED,
+    colours.REFERENCE,
+    colours.FORCE,
+    colours.COM,
+    colours.REPLANNED,
+    colours.TARGET,
+    colours.BLOCK,
+    colours.INFEASIBLE,
+    colours.SUPPORT,
+    colours.COLLISION,
+    *colours.PINNED,
+)
+PHASES = (colours.TAKE_OFF, colours.FLIGHT, colours.LANDING, colours.REBOUND, colours.STANDING)
+
+
+def test_colours_have_one_meaning():
+    seen = [lab(linear(rgb)) for rgb in MEANINGS]
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 20
+
+
+def test_phases_are_tints():
+    # Greyer than any motion's colour by far: a* and b* say how colourful a colour is.
+    tinted = [np.hypot(*lab(linear(rgb))[1:]) for rgb in PHASES]
+    assert max(tinted) < 0.5 * min(np.hypot(*lab(linear(rgb))[1:]) for rgb in LAYERS)

@@ -147,6 +147,31 @@ def test_it_rests_at_the_end_then_starts_anew(page):
     assert does(page, "playing")
 
 
+def test_a_range_is_played_again_and_again(page):
+    does(page, "setRange([0.5, 1])")
+    does(page, "seek(0.9)")
+    does(page, "play()")
+    assert passed(page, 0.4) == pytest.approx(0.75, abs=0.1)  # without a rest
+    assert 0.5 <= passed(page, 2.1) <= 1.0
+    # Sought behind it, the motion is played to its end, and then the range again.
+    does(page, "seek(1.2)")
+    assert passed(page, 0.5) > 1.5
+    assert 0.5 <= passed(page, 2.0) <= 1.0
+    # Without Loop there is no range.
+    does(page, "setLoop(false)")
+    assert passed(page, 3.0) == END
+
+
+def test_a_range_may_outlast_a_clip(page):
+    does(page, "setRange([1.5, Infinity])")
+    load(page, Clip((AnimationChannel(np.array([0.0, 0.4]), ()),), 0.4))
+    does(page, "play()")
+    assert passed(page, 0.2) < 0.3
+    load(page, CLIP)
+    does(page, "seek(1.9)")
+    assert 1.5 <= passed(page, 1.5) <= END
+
+
 def test_without_loop_it_stops_and_plays_from_the_start(page):
     does(page, "setLoop(false)")
     does(page, "seek(1.5)")

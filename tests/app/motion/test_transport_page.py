@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import base_node, number, paused_at, player, press, status
+from tests.app.chromium import base_node, number, paused_at, player, press, status, tick
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
@@ -96,13 +96,22 @@ def test_what_is_typed_into_a_field_is_no_command(page):
     assert not player(page, "playing")
 
 
-def test_after_a_button_of_the_panel_space_is_for_the_motion(page):
-    """The button that was clicked last is not pressed again."""
-    page.get_by_role("button", name="Pause").click()
-    page.wait_for_timeout(300)
-    page.keyboard.press("Space")
-    page.wait_for_timeout(500)
+def test_space_belongs_to_the_button_that_has_the_focus(page):
+    """Clicked or reached with the keys, it is pressed again."""
+    press(page, "Play")
     assert player(page, "playing")
+    page.keyboard.press("Space")
+    page.wait_for_function("!llsrbm.player.playing")
+
+
+def test_the_pages_keys_can_be_switched_off(page):
+    for on in (False, True):
+        tick(page, "Keyboard shortcuts", ticked=on)
+        page.wait_for_function(f"llsrbm.shortcuts === {str(on).lower()}")
+        page.evaluate("document.activeElement.blur()")
+        before = player(page, "time")
+        page.keyboard.press("ArrowRight")
+        assert (player(page, "time") > before) is on
 
 
 def test_with_the_keyboard_space_presses_the_button_and_arrows_choose_the_tab(page):
@@ -141,6 +150,73 @@ def test_the_bar_is_scrubbed(page):
     wait_until(lambda: page.session.state.playback.time == pytest.approx(end), "the server", 5)
 
 
+def drag(page, x, to):
+    """Press at (x, y), and let go at another x."""
+    page.mouse.move(*x)
+    page.mouse.down()
+    page.mouse.move(to, x[1], steps=3)
+    page.mouse.up()
+
+
+def test_a_range_is_chosen_by_its_handles(page):
+    track = page.get_by_role("group", name="Timeline").bounding_box()
+    end = player(page, "clip.end")
+    first, last = (page.get_by_role("slider", name=f"Loop {side}") for side in ("from", "until"))
+    for handle, share in ((first, 0.25), (last, 0.75)):
+        box = handle.bounding_box()
+        place = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        drag(page, place, track["x"] + share * track["width"])
+    assert player(page, "range") == pytest.approx([end / 4, 0.75 * end], rel=0.02)
+    assert player(page, "time") == 0.5
+    first.focus()
+    page.keyboard.press("ArrowRight")
+    assert player(page, "range")[0] == pytest.approx(end / 4 + FRAME, rel=0.02)
+    assert player(page, "time") == 0.5  # the key was the handle's
+    # With Shift a range is drawn over the strips; a double-click on a handle takes it back.
+    page.keyboard.down("Shift")
+    middle = track["y"] + 0.6 * track["height"]
+    drag(page, (track["x"] + 0.5 * track["width"], middle), track["x"] + 0.6 * track["width"])
+    page.keyboard.up("Shift")
+    assert player(page, "range") == pytest.approx([0.5 * end, 0.6 * end], rel=0.02)
+    first.dblclick()
+    assert player(page, "range") is None
+
+
+def test_the_timeline_zooms(page):
+    track = page.get_by_role("group", name="Timeline")
+    box, end = track.bounding_box(), player(page, "clip.end")
+    button = page.get_by_role("button", name="Zoom", exact=True)
+
+    def seen():
+        """The times at both ends, s: where a press seeks to."""
+        found = []
+        for x in (1, box["width"] - 1):
+            page.mouse.click(box["x"] + x, box["y"] + 0.6 * box["height"])
+            found.append(player(page, "time"))
+        return pytest.approx(found, abs=0.01)
+
+    page.evaluate("llsrbm.player.setRange([0.4, 0.9])")
+    button.click()
+    assert seen() == [0.4, 0.9]
+    assert page.locator("#llsrbm-transport .mark[title=apex]").is_visible()
+    assert page.locator("#llsrbm-transport .mark[title=push-off]").count() == 0
+    # The motion that leaves the part in sight takes it along.
+    page.evaluate("llsrbm.player.setRange(null)")
+    paused_at(page, 0.85)
+    player(page, "play()")
+    page.wait_for_function("llsrbm.player.time > 1")
+    player(page, "pause()")
+    assert page.locator("#llsrbm-transport .cursor").is_visible()
+    button.click()
+    assert seen() == [0.0, end]
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 0.6 * box["height"])
+    page.mouse.wheel(0, -400)
+    page.wait_for_function("llsrbm.timeline.zoomed")
+    assert seen() == [0.22 * end, 0.78 * end]
+    track.dblclick(position={"x": 50, "y": 0.6 * box["height"]})
+    assert seen() == [0.0, end]
+
+
 def test_phases_and_marks_are_where_they_happen(page):
     plan = page.session.plan
     bar = page.locator("#llsrbm-transport")
@@ -153,7 +229,7 @@ def test_phases_and_marks_are_where_they_happen(page):
     for (name, feet), start in zip(phases, plan.phase_start, strict=False):
         piece = bar.locator(f'[title="plan: {name} (standing: {feet})"]').bounding_box()
         assert share(piece) == pytest.approx(start / plan.duration, abs=0.01)
-    marks = {"lift-off": plan.phase_start[1], "touchdown planned": plan.phase_start[2]}
+    marks = {"lift-off": plan.phase_start[1], "touchdown": plan.phase_start[2]}
     for name, time in marks.items():
         mark = bar.locator(f'.mark[title="{name}"]').bounding_box()
         assert share(mark) == pytest.approx(time / plan.duration, abs=0.01)
@@ -173,7 +249,7 @@ def test_the_bar_lies_under_the_picture_and_not_under_the_panel(page):
     assert bar["x"] == pytest.approx(canvas["left"], abs=2)
     assert bar["x"] + bar["width"] == pytest.approx(canvas["right"], abs=2)
     assert bar["y"] + bar["height"] == pytest.approx(canvas["bottom"], abs=2)
-    assert page.get_by_role("button", name="Pause").is_visible()
+    assert page.get_by_role("button", name="Play", exact=True).is_visible()
 
 
 LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]
@@ -188,13 +264,16 @@ LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]
 def test_labels_of_the_timeline_lie_over_nothing(page, width):
     press(page, "Simulate")
     status(page, "Landed")
+    assert page.locator("#llsrbm-transport .names > div").all_inner_texts() == [
+        "plan", "simulation", "time [s]",
+    ]  # fmt: skip
     page.set_viewport_size({"width": width, "height": 800})
     page.wait_for_timeout(600)  # the bar follows the picture
     marks = page.locator("#llsrbm-transport .mark")
     titles = [mark.get_attribute("title") for mark in marks.all()]
-    assert len(titles) >= 4  # take-off, apex, touchdown planned, first contact ...
+    assert len(titles) >= 4  # push-off, lift-off, apex, touchdown, first contact ...
     labels = page.evaluate(LABELS)
-    assert len(labels) >= 3
+    assert {"push-off", "lift-off", "apex", "touchdown"} <= {label["text"] for label in labels}
     track = page.get_by_role("group", name="Timeline").bounding_box()
     line = page.locator("#llsrbm-transport .line").bounding_box()
     rows = page.locator("#llsrbm-transport .row").first.bounding_box()

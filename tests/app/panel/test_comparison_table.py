@@ -44,7 +44,7 @@ def test_figures_are_rows_with_units_and_designs_columns(two):
     assert texts(two["Least Izz [kg m²]"]) == ["1.86", "1.86"]
     assert texts(two["Planned torque [%]"]) == ["71", "71"]
     assert texts(two["Peak torque [%]"]) == ["–", "97"]
-    assert texts(two["Yaw at contact [°]"]) == ["–", "-1.3"]
+    assert texts(two["Yaw at contact [°]"]) == ["–", "−1.3"]
     assert texts(two["Solve time [ms]"]) == ["177", "95"]
 
 
@@ -60,7 +60,7 @@ def test_the_best_is_bold(two):
 def test_the_difference_to_the_current_design_is_told_on_hover(two):
     current, other = two["Flight time [s]"]
     assert current.get("title") is None
-    assert other.get("title") == "-0.030 s against the current design"
+    assert other.get("title") == "−0.030 s against the current design"
     assert two["Peak torque [%]"][1].get("title") is None
 
 

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 
-from tests.app.chromium import fill, number, status
+from app.motion import colours
+from tests.app.chromium import fill, number, status, tab, unfold
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
-TABS = ("View", "Scenario", "Figures", "Plots", "Atlas", "Limits", "Files", "Help")
+TABS = ("View", "Results", "Plots", "Files", "More")
+HEAD = ("Undo", "Redo", "Share", "Open", "Format", "Export", "Robot", "Model", "Jump type")
 SLIDERS = ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]")
 
 
@@ -48,7 +52,7 @@ def test_the_tour_is_offered_once_the_robot_moves(page):
 
 
 def test_the_help_starts_the_tour_and_escape_ends_it(page):
-    page.get_by_role("tab", name="Help").click()
+    unfold(page, "Help")
     page.get_by_role("button", name="Start the tour").click()
     page.get_by_role("dialog", name="Move a slider").wait_for()
     page.keyboard.press("Escape")
@@ -58,14 +62,55 @@ def test_the_help_starts_the_tour_and_escape_ends_it(page):
 def test_what_the_contract_names_is_in_sight_without_scrolling(page):
     page.get_by_role("tab", name="View").click()
     page.get_by_label("Inertia ellipsoids").wait_for()
-    labels = ("Robot", "Model", "Simulate", "Format", "Export", "Open", "Undo", "Redo", "Share")
-    places = {label: box(page, label) for label in (*labels, *SLIDERS, "Inertia ellipsoids")}
+    labels = (*HEAD, *SLIDERS, "Simulate", "Scenario")
+    places = {label: box(page, label) for label in (*labels, "Inertia ellipsoids")}
+    assert sorted(places.values(), key=lambda place: place["y"]) == list(places.values())
     for label, place in places.items():
         assert place["y"] >= 0, label
         assert place["y"] + place["height"] <= page.viewport_size["height"], label
     tabs = [page.get_by_role("tab", name=name).first.bounding_box() for name in TABS]
+    assert places["Scenario"]["y"] < tabs[0]["y"] < places["Inertia ellipsoids"]["y"]
     assert len({tab["y"] for tab in tabs}) == 1
     assert tabs[-1]["x"] + tabs[-1]["width"] <= page.viewport_size["width"]
+
+
+def test_the_head_stays_and_only_the_tab_scrolls(page):
+    unfold(page, "Limits")
+    page.get_by_label("friction", exact=True).wait_for()
+    panel = page.locator("[data-scrollarea-viewport]").filter(has=page.get_by_role("status"))
+    height, content = panel.evaluate("each => [each.clientHeight, each.scrollHeight]")
+    assert content <= height
+    before = box(page, "Simulate")
+    page.get_by_label("friction", exact=True).hover()
+    page.mouse.wheel(0, 400)
+    inner = page.locator("[data-dock-area^=gui-tabs] [data-scrollarea-viewport]").last
+    wait_until(lambda: inner.evaluate("each => each.scrollTop") > 0, "the tab to scroll")
+    assert box(page, "Simulate") == before
+    tab(page, "View")
+
+
+def test_a_folder_is_a_button_of_the_keyboard(page):
+    title = page.get_by_role("button", name="Scenario", exact=True)
+    for key, expanded in (("Enter", "true"), ("Space", "false")):
+        title.press(key)
+        wait_until(lambda e=expanded: title.get_attribute("aria-expanded") == e, expanded)
+
+
+def test_a_box_shows_the_colours_of_its_overlay_and_is_grey_while_it_shows_nothing(page):
+    look = """each => [getComputedStyle(each).color,
+      getComputedStyle(each, "::before").backgroundImage]"""
+    tab(page, "View")
+    ellipsoids, pushes = (
+        page.locator("label").filter(has_text=re.compile(f"^{name}$")).first.evaluate(look)
+        for name in ("Inertia ellipsoids", "Pushes")
+    )
+    planned, reference = (
+        f"rgb({', '.join(map(str, colour))})" for colour in (colours.PLANNED, colours.REFERENCE)
+    )
+    assert planned in ellipsoids[1]
+    assert reference in ellipsoids[1]
+    assert pushes[1] == "none"
+    assert pushes[0] != ellipsoids[0]
 
 
 def test_labels_are_one_line_and_one_button_is_filled(page):
@@ -115,7 +160,7 @@ def test_what_cannot_be_undone_is_not_offered(page):
 
 def test_a_limit_is_changed_marked_and_put_back(page):
     tuning = lambda: dict(page.session.design.tuning.limits)  # noqa: E731
-    page.get_by_role("tab", name="Limits").click()
+    unfold(page, "Limits")
     friction = page.get_by_label("friction", exact=True)
     friction.fill("0.4")
     friction.press("Tab")
@@ -123,8 +168,8 @@ def test_a_limit_is_changed_marked_and_put_back(page):
     wait_until(lambda: tuning() == {"friction": 0.4}, "the limit")
     page.get_by_text("1 number differs from the defaults.").wait_for()
     # The table is made anew with its tab.
-    page.get_by_role("tab", name="Help").click()
-    page.get_by_role("tab", name="Limits").click()
+    tab(page, "Files")
+    unfold(page, "Limits")
     wait_until(lambda: friction.input_value() == "0.4", "the number again")
     page.get_by_role("button", name="Reset friction").click()
     wait_until(lambda: tuning() == {}, "the default")

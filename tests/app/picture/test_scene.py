@@ -77,29 +77,30 @@ def test_a_robot_without_a_plan_stands_still_and_is_looked_at():
     assert all(name.startswith("/links/") for name in names_in(drawn.clip))
     _, track = track_of(drawn.clip, "/links/base")
     assert track.position[0] == pytest.approx(robot.base_position)
-    low, high = drawn.clip.camera_target.low, drawn.clip.camera_target.high
+    points = drawn.clip.camera_target.points
+    low, high = points.min(axis=0), points.max(axis=0)
     assert low[2] == pytest.approx(0, abs=0.07)
     assert (high - low > 0.4).all()
     assert drawn.clip.camera_target.follow == "/links/base"
 
 
-def test_the_box_that_is_looked_at_holds_all_of_the_motion():
+def test_the_points_that_are_looked_at_hold_all_of_the_motion():
     drawn = Drawn(picture(forward=0.4))
-    low, high = drawn.clip.camera_target.low, drawn.clip.camera_target.high
+    points = drawn.clip.camera_target.points
+    low, high = points.min(axis=0), points.max(axis=0)
     frames = planned(forward=0.4).frames
     places = frames.body_position.reshape(-1, 3)
     assert (low < places.min(axis=0)).all()
     # The apex may lie between two of the frames that are looked at.
     assert (high > places.max(axis=0) - 0.01).all()
     still = Drawn(Picture(robot=load_robot("anymal"))).clip.camera_target
-    assert high[0] - still.high[0] == pytest.approx(0.4, abs=0.1)
+    assert high[0] - still.points[:, 0].max() == pytest.approx(0.4, abs=0.1)
 
 
 def test_a_new_plan_makes_no_nodes():
     drawn = Drawn(picture(layers=OVERLAYS))
-    clip, made, changes = drawn.changes(picture(layers=OVERLAYS, forward=0.3))
+    _, made, changes = drawn.changes(picture(layers=OVERLAYS, forward=0.3))
     assert made == []
-    assert clip.request["forward"] == 0.3
     # Marks and trails; all else moves with the clip.
     assert {name.split("/")[1] for name, _ in changes} <= {"target", "path"}
 
@@ -159,8 +160,9 @@ def test_a_simulation_has_the_plan_as_a_ghost():
     clip, _, _ = drawn.changes(picture(simulation=True))
     assert "/shade/base" in drawn.seen
     solid, shade = (track_of(clip, f"/{name}/base")[0] for name in ("links", "shade"))
-    assert shade is planned().frames.time
-    assert solid[-1] > shade[-1]
+    frames = planned().frames
+    assert (shade[: len(frames.time)] == frames.time).all()
+    assert solid[-1] == shade[-1] > frames.end
     assert clip.end == solid[-1]
     drawn.changes(picture())
     assert "/shade/base" not in drawn.seen
@@ -215,9 +217,22 @@ def test_pins_that_come_and_go_are_sent_once():
     )
 
 
+def test_pinned_robots_stand_beside_the_one_that_is_shown():
+    robot, frames = load_robot("anymal"), planned().frames
+    there, beside = (Ghost(robot, frames, colours.PINNED[0], place) for place in (0, 2))
+    drawn = Drawn(replace(picture(), ghosts=(there,)))
+    low = drawn.clip.camera_target.points.min(axis=0)
+    clip, *_ = drawn.changes(replace(picture(), ghosts=(beside,)))
+    moved = track_of(clip, "/pinned/1/base")[1].position - frames.body_position[:, 0]
+    assert moved == pytest.approx(np.broadcast_to([0, beside.beside, 0], moved.shape))
+    assert beside.beside < -1  # to the right
+    points = clip.camera_target.points
+    assert points.min(axis=0) == pytest.approx(low + np.array([0, beside.beside, 0]))
+
+
 def test_tracks_with_the_same_instants_are_one_strand():
     clip = Drawn(picture(layers=OVERLAYS, simulation=True)).clip
-    assert len(clip.channels) == 2
+    assert len(clip.channels) == 3  # the plan's, the simulation's, and those of the ghost
     for strand in clip.channels:
         for track in strand.tracks:
             for values in (track.position, track.wxyz, track.scale):

@@ -219,6 +219,20 @@ def test_a_chart_is_added_once():
     assert once.without(0) == choice
 
 
+def test_a_chart_is_dropped_onto_another_one():
+    com, yaw, force = (ChartChoice(key) for key in ("com", "base_angle", "vertical_force"))
+    choice = PlotChoice((com, yaw, force))
+    joined = choice.with_joined(force, com)
+    assert joined.charts == (replace(com, more=(force,)), yaw)
+    # What was joined is one chart like others; what is on offer need not have been one.
+    again = joined.with_joined(joined.charts[0], yaw).with_joined(ChartChoice("mode"), yaw)
+    assert again.charts == (replace(yaw, more=(com, force)),)
+    assert choice.with_joined(com, com) == choice
+    many = replace(com, more=(yaw, force, ChartChoice("mode")))
+    full = PlotChoice((many, ChartChoice("detection")))
+    assert full.with_joined(full.charts[1], many) == full
+
+
 def test_joints_are_those_of_the_loads():
     assert DEFAULT.joints is None
     assert DEFAULT.with_joints("KFE") == DEFAULT

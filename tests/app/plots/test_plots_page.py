@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
 import pytest
 
 from app.plots.charts import charts as charts_of
@@ -12,7 +15,10 @@ from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
-CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart, createCount}) => ({
+# viser lists charts in the order in which they were made, or made anew.
+IN_ORDER = """Object.values(window.__viserTestpoints.uplots).sort((a, b) =>
+  a.chart.root.compareDocumentPosition(b.chart.root) & Node.DOCUMENT_POSITION_FOLLOWING ? -1 : 1)"""
+CHARTS = f"""() => {IN_ORDER}.map(({{chart, createCount}}) => ({{
   title: chart.root.querySelector('.u-title').firstChild.textContent,
   start: chart.scales.x.min,
   end: chart.scales.x.max,
@@ -22,7 +28,7 @@ CHARTS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart, cr
   aligned: chart.series.length === chart.data.length,
   width: chart.over.clientWidth,
   created: createCount,
-}))"""
+}}))"""
 
 
 @pytest.fixture
@@ -40,7 +46,7 @@ def simulate(page):
 def drawn(page, titles, timeout=10.0):
     """The charts, once they have these titles."""
     page.wait_for_function(
-        "titles => JSON.stringify(Object.values(window.__viserTestpoints.uplots).map(({chart}) =>"
+        f"titles => JSON.stringify({IN_ORDER}.map(({{chart}}) =>"
         " chart.root.querySelector('.u-title').firstChild.textContent)) === JSON.stringify(titles)"
         # A chart that is new in the page is measured later.
         " && Object.values(window.__viserTestpoints.uplots).every("
@@ -129,7 +135,7 @@ def test_the_cursor_is_where_the_motion_is(page):
 VALUES = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
   [...chart.root.querySelectorAll('.llsrbm-values span')].map(span => Number(span.textContent)))"""
 DATA = """time => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
-  chart.series.flatMap((series, i) => series.scale === 'y' && !series.dash
+  chart.series.flatMap((series, i) => series.scale === 'y' && String(series.dash) !== '4,4'
     ? [chart.data[i][chart.valToIdx(time)]] : []))"""
 
 SPANS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
@@ -283,6 +289,76 @@ def test_a_click_tells_its_time_and_a_drag_does_not(page):
         return page.evaluate(f"end => ({CHARTS})().every(c => c.end === end)", end)
 
     wait_until(unzoomed, "the whole axis")
+
+
+RANGE = f"""() => {{
+  const {{ min, max }} = {IN_ORDER}[1].chart.scales.y;
+  return [min, max];
+}}"""
+
+
+def test_values_are_zoomed_by_the_axis_and_stay_so(page):
+    drawn(page, OVERVIEW_CHARTS)
+    whole = page.evaluate(RANGE)
+    over = page.locator(".u-over").nth(1)
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    page.mouse.move(box["x"] - 20, box["y"] + box["height"] / 2)  # on the axis
+    page.mouse.wheel(0, -400)
+    page.wait_for_function(f"whole => ({RANGE})()[1] < whole[1]", arg=whole)
+    zoomed = page.evaluate(RANGE)
+    assert whole[0] < zoomed[0] < zoomed[1] < whole[1]
+    # Other values do not end it.
+    fill(page, "Twist [deg]", 120)
+    wait_until(lambda: page.session.plan.jump.twist > 2, "the plan")
+    page.wait_for_timeout(300)
+    assert page.evaluate(RANGE) == pytest.approx(zoomed)
+    page.mouse.down()
+    page.mouse.move(box["x"] - 20, box["y"] + box["height"] / 2 + 15, steps=3)
+    page.mouse.up()
+    assert page.evaluate(RANGE)[0] > zoomed[0]
+    page.mouse.dblclick(box["x"] - 20, box["y"] + box["height"] / 2)
+    page.wait_for_function(f"zoomed => ({RANGE})()[1] > zoomed[1] + 0.1", arg=zoomed)
+
+
+def test_a_chart_is_copied_for_a_paper(page):
+    simulate(page)
+    drawn(page, OVERVIEW_CHARTS)
+    chart = f"{IN_ORDER}[0].chart"
+    svg = ET.fromstring(page.evaluate(f"llsrbm.plotFigure.svgOf({chart})"))
+    assert svg.get("width") == "88mm"
+    words = [text.text for text in svg.iter("{http://www.w3.org/2000/svg}text")]
+    assert {"Base angle, yaw [°]", "plan", "simulation", "time [s]", "50"} <= set(words)
+    curves = [
+        path.get("d")
+        for path in svg.iter("{http://www.w3.org/2000/svg}path")
+        if path.get("stroke-width") == "1" and path.get("d").count("L") > 50
+    ]
+    assert len(curves) == 2
+    assert not any("NaN" in curve for curve in curves)
+    # Where the page may not write to the clipboard, it is a file.
+    page.evaluate("void (navigator.clipboard.write = () => Promise.reject())")
+    for kind, head in (("PNG", b"\x89PNG"), ("SVG", b"<svg")):
+        page.locator(".u-over").first.hover()
+        with page.expect_download() as saved:
+            page.get_by_role("button", name=f"Copy as {kind}").first.click()
+        assert saved.value.suggested_filename == f"chart.{kind.lower()}"
+        assert Path(saved.value.path()).read_bytes().startswith(head)
+
+
+def test_a_chart_is_dragged_onto_another_one(page):
+    drawn(page, OVERVIEW_CHARTS)
+    titles = page.locator(".uplot .u-title")
+    titles.nth(3).drag_to(page.locator(".u-over").nth(2))
+    first, second = OVERVIEW_CHARTS[:2]
+    both = "CoM position, z · Vertical force, all feet [m or N]"
+    (*_, chart) = drawn(page, [first, second, both])
+    assert chart["curves"] == ["plan CoM position, z", "plan Vertical force, all feet"]
+    # What is on offer, by the button that adds it.
+    button = page.get_by_role("button", name="Add chart")
+    page.wait_for_function("b => b.draggable", arg=button.element_handle())
+    button.drag_to(page.locator(".u-over").first)
+    drawn(page, [f"{first[:-4]} · CoM position [° or m]", second, both])
 
 
 def test_the_cursor_costs_next_to_nothing(page):

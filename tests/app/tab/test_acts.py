@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+from app.link import PushDragged
 from app.panel.acts import Act, Button
 from app.picture.landing_handle import LandingDragged
-from app.picture.push_handle import PushDragged
 from app.tab import acts
 from app.tab.inbox import End, Inbox
 from app.tab.planning import Rested
@@ -30,7 +30,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
     tab = PureTab()
     assert shown(tab) == {"SIMULATE", "SHARE", "SEEDS", "SAVE"}
     tab = planned_tab()
-    assert shown(tab) == {"SIMULATE", "SHARE", "SEEDS", "SAVE", "EXPORT", "PIN", "UNDO"}
+    assert shown(tab) == {"SIMULATE", "SHARE", "SEEDS", "SAVE", "EXPORT", "PIN", "UNDO", "CHECK"}
     tab.take(Act.PIN)
     tab.take(Act.EXPORT)
     tab.take(Act.UNDO)
@@ -51,7 +51,7 @@ def taken(*items):
 
 
 NEAR, FAR = LandingDragged(0.1, 0.0, 0.0), LandingDragged(0.2, 0.0, 0.0)
-HELD, ENDED = (PushDragged(0.4, (1.0, 0.0, 0.0), ended=ended) for ended in (False, True))
+HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True))
 
 
 @pytest.mark.parametrize(

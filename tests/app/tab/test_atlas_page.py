@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import choose, fill, number, press, status, tab
+from tests.app.chromium import choose, fill, number, press, status, unfold
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
@@ -15,7 +15,7 @@ MARK = "document.querySelector('.llsrbm-atlas .mark').getAttribute('transform')"
 
 @pytest.fixture
 def atlas(page):
-    tab(page, "Atlas")
+    unfold(page, "Atlas")
     page.wait_for_function("llsrbm.atlas.map")
     page.locator(MAP).wait_for()
     return page
@@ -51,7 +51,7 @@ def test_a_click_moves_the_sliders_and_undo_brings_them_back(atlas):
     atlas.mouse.click(left, top)
     wait_until(lambda: value(atlas, "Twist [deg]") == pytest.approx(twist), "the twist")
     assert value(atlas, "Forward [m]") == pytest.approx(forward, abs=0.006)
-    status(atlas, "Planned")
+    status(atlas, "Feasible")
     press(atlas, "Undo")
     wait_until(lambda: value(atlas, "Twist [deg]") == before, "the twist before")
 

@@ -48,7 +48,7 @@ def worked_on(designer, number):
     tab.set("Forward [m]", 0.2)
     session = session_of(designer, tab)
     planned(tab, session, lambda jump: jump.forward == 0.2, "a plan")
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
     tab.press("Pin")
     tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
     tab.press("Simulate")
@@ -92,12 +92,12 @@ def test_each_tab_finds_its_own(designer):
         tab.set("Forward [m]", forward)
         session = session_of(designer, tab)
         planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
     for tab in tabs:
         tab.close()
     for number, forward in ((4, 0.3), (3, 0.1), (5, 0.0)):
         with opened(designer, number) as again:
-            again.wait_for_status("Planned")
+            again.wait_for_status("Feasible")
             assert session_of(designer, again).plan.jump.forward == forward
 
 
@@ -107,7 +107,7 @@ def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
     gone(designer, before)
     monkeypatch.setattr("app.tab.session._PAGE_ANSWERS", 0.0)
     with RawTab(designer.port, None) as again:
-        again.wait_for_status("Planned")
+        again.wait_for_status("Feasible")
         again.page.known = {"tab": token(6)}
         again.page.greet()
         again.wait_for_status("Landed")
@@ -120,7 +120,7 @@ def test_states_are_dropped_after_their_time_and_beyond_their_number(designer, m
     monkeypatch.setattr(tabs, "_clock", lambda: now[0])
     monkeypatch.setattr(tabs, "_kept", {})
     tab = opened(designer, 8)
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
     session = session_of(designer, tab)
     tab.close()
     gone(designer, session)
@@ -154,7 +154,7 @@ def test_tabs_that_close_at_once_leave_nothing_behind(designer):
     wait_until(lambda: not left(), "the threads' end")
     assert designer.tabs.kept <= Limits.tabs
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
 
 
 def test_a_session_that_cannot_be_built_says_so(designer, monkeypatch, caplog):
@@ -167,12 +167,12 @@ def test_a_session_that_cannot_be_built_says_so(designer, monkeypatch, caplog):
             tab.wait_for_status("Failed by a defect")
     assert "ZeroDivisionError: a defect" in caplog.text
     with opened(designer, 9) as again:
-        again.wait_for_status("Planned")
+        again.wait_for_status("Feasible")
 
 
 def test_a_state_that_led_to_a_defect_is_not_found_again(designer, monkeypatch):
     tab = opened(designer, 10)
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
     session = session_of(designer, tab)
 
     def broken(*_args):
@@ -189,7 +189,7 @@ def test_a_state_that_led_to_a_defect_is_not_found_again(designer, monkeypatch):
     tab.close()
     assert session.left is None
     with opened(designer, 10) as again:
-        again.wait_for_status("Planned")
+        again.wait_for_status("Feasible")
         assert again.value("Forward [m]") == 0.0
 
 
@@ -199,7 +199,7 @@ def test_a_slow_page_is_sent_the_newest_clip_next(designer, tab, session, script
     for forward in (0.1, 0.2, 0.3):
         tab.set("Forward [m]", forward)
         planned(tab, session, lambda jump, f=forward: jump.forward == f, "a plan")
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
     sent = script.calls("player.load")
     assert len(sent) == loads + 1
     script.take = taken
@@ -218,7 +218,7 @@ def test_a_link_that_was_cut_is_one_line(designer, script, tab):
         other.wait(lambda: other.notifications, "a note")
         assert other.notifications[0][0] == "The last design was not opened"
         assert other.notifications[0][1].startswith("the link: ")
-        other.wait_for_status("Planned")
+        other.wait_for_status("Feasible")
     tab.page.say(kind="ready", software=True, shared="{}")
     tab.wait(lambda: tab.notifications, "a note")
     assert tab.notifications[0][0] == "Not opened"
@@ -233,7 +233,7 @@ def test_a_page_is_back_while_its_session_loads_a_robot(designer, monkeypatch):
         outside.inbox.put(loaded(self.name))
 
     with opened(designer, 40) as tab:
-        tab.wait_for_status("Planned")
+        tab.wait_for_status("Feasible")
         tab.set("Forward [m]", 0.3)
         tab.wait(lambda: session_of(designer, tab).plan.jump.forward == 0.3, "its plan")
         tab.press("Pin")
@@ -246,4 +246,4 @@ def test_a_page_is_back_while_its_session_loads_a_robot(designer, monkeypatch):
         again.wait(lambda: again.value("Robot") == "Unitree Go2", "the robot")
         assert session_of(designer, again).state.pins
         go_on.set()
-        again.wait_for_status("Planned")
+        again.wait_for_status("Feasible")

@@ -38,7 +38,7 @@ def plan_pin_and_simulate(page):
     press(page, "Pin")
     fill(page, "Forward [m]", FORWARD)
     wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
-    status(page, "Planned")
+    status(page, "Feasible")
     press(page, "Simulate")
     status(page, "Landed")
     page.evaluate("t => { llsrbm.player.pause(); llsrbm.player.seek(t); }", INSTANT)
@@ -158,7 +158,7 @@ def test_the_server_is_killed_and_the_page_goes_on_with_the_next_one(browser):
     with serving(port) as (_, again):
         assert again == port
         page.wait_for_function("llsrbm.player.clip !== window.before")
-        status(page, "Planned")
+        status(page, "Feasible")
         wait_until(
             lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the design"
         )
@@ -195,7 +195,7 @@ def test_a_page_whose_viewer_lacks_a_field_says_so(browser, designer):
     page.goto(designer.url)
     page.get_by_text("This page cannot play").wait_for()
     page.get_by_text("Its viewer lacks __viserMutable.nodeRefFromName").wait_for()
-    status(page, "Planned")  # all else works
+    status(page, "Feasible")  # all else works
     assert faults == []
     context.close()
 
@@ -222,4 +222,19 @@ def test_a_browser_that_forbids_storage_works_without(browser, designer):
     wait_until(lambda: session.plan.jump.forward == FORWARD, "the plan")
     assert player(page, "playing")
     assert faults == []
+    context.close()
+
+
+def test_a_new_tab_of_the_browser_has_its_preferences(browser, designer):
+    context = visitor(browser, color_scheme="dark")
+    context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
+    first, later = context.new_page(), context.new_page()
+    first.goto(designer.url)
+    first.locator(":root[data-mantine-color-scheme=dark]").wait_for(state="attached")
+    first.get_by_label("Foot workspace", exact=True).check()
+    first.wait_for_function("localStorage.getItem('llsrbm.preferences')?.includes('reach')")
+    later.goto(designer.url)
+    box = later.get_by_label("Foot workspace", exact=True)
+    box.wait_for()
+    wait_until(box.is_checked, "the overlay")
     context.close()

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import pytest
 
+from app.link import BesideChosen, PinPressed
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.tab.acts import is_enabled
 from app.tab.comparison import PinChosen
+from app.tab.rendering import picture_of
 from app.tab.state import TabState
 from llsrbm.request.scenario import Scenario
 from tests.app.pure_tab import PureTab, planned_tab
@@ -97,3 +99,25 @@ def test_the_chosen_pin_is_taken_up(tab):
     tab.take(Act.USE_PINNED)
     assert tab.one.task.jump.forward == 0.05
     assert places(tab.state) == [0.05, 0.1]
+
+
+def test_a_pins_chip_uses_its_design_and_lets_go_of_it(tab):
+    pin_at(tab, 0.05, 0.1)
+    tab.take(PinPressed("use", 0))
+    assert tab.one.task.jump.forward == 0.05
+    tab.take(PinPressed("unpin", 0))
+    assert places(tab.state) == [0.1]
+    before = tab.state
+    for act in ("use", "unpin"):  # it has gone meanwhile
+        tab.take(PinPressed(act, 1))
+    assert tab.state is before
+
+
+def test_pinned_robots_stand_where_they_are_or_beside(tab):
+    pin_at(tab, 0.05, 0.1)
+    assert [ghost.beside for ghost in picture_of(tab.state).ghosts] == [0.0, 0.0]
+    tab.take(BesideChosen(True))
+    left, right = (ghost.beside for ghost in picture_of(tab.state).ghosts)
+    assert left == -right > 0.8
+    tab.take(BesideChosen(False))
+    assert [ghost.beside for ghost in picture_of(tab.state).ghosts] == [0.0, 0.0]

@@ -44,7 +44,7 @@ def files(tmp_path_factory):
 def test_a_plan_is_opened_by_the_button_changed_and_simulated(page, files):
     page.locator("input[type=file]").set_input_files(files / "plan.npz")
     wait_until(lambda: page.session.plan.jump == JUMP, "the plan")
-    page.get_by_role("status").filter(has_text="Planned from file plan.npz").wait_for()
+    status(page, "Feasible from file plan.npz")
     assert float(number(page, "Twist [deg]").input_value()) == 57
     assert float(number(page, "Forward [m]").input_value()) == 0.3
     wait_until(lambda: player(page, "clip.end") == pytest.approx(1.3), "its motion")
@@ -52,7 +52,7 @@ def test_a_plan_is_opened_by_the_button_changed_and_simulated(page, files):
     wait_until(lambda: dark(picture(page)).sum() > 3000, "the robot")
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
-    status(page, "Planned. ")
+    status(page, "Feasible")
     press(page, "Simulate")
     status(page, "Landed")
 
@@ -97,4 +97,4 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
 def test_a_bad_file_is_one_line(page):
     drop(page, "bad.npz", b"PK\x03\x04nothing")
     page.get_by_text("Not opened: bad.npz: ").wait_for()
-    status(page, "Planned. ")
+    status(page, "Feasible")

@@ -8,8 +8,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.tab import initial_plan
-from app.tab.initial_plan import LIBRARY_PLANNER, InitialPlans, example, shipped_file, shipped_plan
+from app.tab.start import initial_plan
+from app.tab.start.initial_plan import (
+    LIBRARY_PLANNER,
+    InitialPlans,
+    example,
+    shipped_file,
+    shipped_plan,
+)
 from app.workers.worker import LibraryPlanner
 from llsrbm.models import make_model
 from llsrbm.motion.plan import load_plan

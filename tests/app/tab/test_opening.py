@@ -9,6 +9,7 @@ import pytest
 from app.link import PageReady, PlayerMoved
 from app.panel.acts import Act
 from app.panel.status import Verdict
+from app.plots.choice import FEWER
 from app.tab.drag_planning import REST
 from app.tab.effects import (
     After,
@@ -22,8 +23,8 @@ from app.tab.effects import (
     SetPlayback,
     Submit,
 )
-from app.tab.opening import TabOpened, example_design, left, resume
 from app.tab.planning import Rested
+from app.tab.start.opening import TabOpened, example_design, left, resume
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
@@ -54,6 +55,13 @@ def test_the_first_robots_example_is_planned():
     assert tab.one.task == PlanJump(EXAMPLE.jump)
 
 
+def test_a_low_window_opens_with_two_charts():
+    tab = PureTab()
+    tab.take(replace(PAGE, height=800.0))
+    assert tab.state.plots == FEWER
+    assert len(FEWER.charts) == 2
+
+
 @pytest.mark.parametrize("robot", [None, "anymal"])
 def test_a_plan_that_is_known_is_shown_at_once(robot):
     tab, plan = PureTab(robot), plan_of(EXAMPLE.jump)
@@ -63,7 +71,7 @@ def test_a_plan_that_is_known_is_shown_at_once(robot):
         tab.take(RobotLoaded(load_robot("anymal")))
     assert kinds(tab.effects) == [Keep, Play]
     assert tab.state.plan is plan
-    assert tab.told[0] is Verdict.PLANNED
+    assert tab.told[0] is Verdict.FEASIBLE
     assert tab.submits == []
     assert tab.move() == ()
 

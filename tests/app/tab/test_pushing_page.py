@@ -5,27 +5,26 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import PACE, PIXELS, paused_at, press, status, tab, tick
+from tests.app.chromium import PACE, PIXELS, at_rest, paused_at, press, status, tick, unfold
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
 
 GRIP = "/push/tip"
-GRAB = 0.15  # m from the tip, on an arrow of the grip
 DRAG = 0.4  # m
 
 
 @pytest.fixture
 def page(page):
     """With a push in mid-flight, the mouse nowhere near it."""
-    tab(page, "Scenario")
+    unfold(page, "Scenario")
     page.get_by_label("Push", exact=True).check()
     page.wait_for_timeout(PACE)
     wait_until(lambda: len(pushes(page)) == 1, "the push")
     page.wait_for_function(f"window.__viserMutable.nodeRefFromName['{GRIP}']?.visible")
-    page.wait_for_timeout(500)
+    at_rest(page)  # robot, arrow and camera are where they stay
     yield page
-    tab(page, "Scenario")
+    unfold(page, "Scenario")
     for label in ("Push", "Replan"):
         page.get_by_label(label, exact=True).set_checked(False)
         page.wait_for_timeout(PACE)
@@ -43,7 +42,7 @@ def replans(page):
 def drag(page, axis, length):
     """Draw the tip along an axis."""
     points = np.zeros((2, 3))
-    points[:, axis] = GRAB, GRAB + length
+    points[1, axis] = length
     grab, there = np.array(page.evaluate(PIXELS, [GRIP, *points.tolist()]))
     page.mouse.move(*grab)
     page.wait_for_timeout(PACE)
@@ -55,7 +54,14 @@ def drag(page, axis, length):
 
 
 def simulated(page):
-    wait_until(lambda: page.session.rollout is not None, "the simulation")
+    page.wait_for_timeout(PACE)
+
+    def is_up_to_date():
+        rollout = page.session.rollout
+        return rollout is not None and rollout.scenario == page.session.design.scenario
+
+    # What was simulated by itself meanwhile is not what is waited for.
+    wait_until(is_up_to_date, "the simulation")
     return page.session.rollout
 
 
@@ -74,9 +80,9 @@ def test_a_push_is_drawn_and_what_comes_of_it_is_played(page):
     rollout = simulated(page)
     (push,) = rollout.scenario.pushes
     assert push.time == before.time
-    assert push.impulse[1:] == before.impulse[1:]
+    assert push.impulse[1:] == pytest.approx(before.impulse[1:], abs=0.2)  # a pixel or two
     # As far as the hand goes: 2 m an m/s.
-    expected = -DRAG / 2 * page.session.state.robot.mass
+    expected = before.impulse[0] - DRAG / 2 * page.session.state.robot.mass
     assert push.impulse[0] == pytest.approx(expected, rel=0.2)
     page.wait_for_function("llsrbm.player.playing")
     assert page.evaluate("llsrbm.player.time") >= push.time
@@ -98,8 +104,8 @@ def test_its_arrow_is_seen_while_it_acts(page):
     ):
         paused_at(page, time)
         assert visible(page, arrow) == seen
-    words = page.locator("#llsrbm-transport .mark", has_text="push")
-    assert words.inner_text() == f"push {abs(push.impulse[1]):g} N s"
+    words = page.locator("#llsrbm-transport .mark", has_text="N s")
+    assert words.inner_text() == f"push {np.linalg.norm(push.impulse):.3g} N s"
 
 
 def test_computing_times_are_bars_under_the_timeline(page):

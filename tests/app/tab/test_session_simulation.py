@@ -22,7 +22,7 @@ def visible(tab, node):
 
 def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     told = simulate(tab, session)
-    assert told.startswith("Landed yaw -2.9° from the plan at touchdown")
+    assert told.startswith("Landed Yaw error −2.9° Tilt")
     assert session.rollout.jump == session.plan.jump
     assert session.rollout.scenario == llsrbm.Scenario()
     assert "Saturated ticks" in tab.text()

@@ -27,7 +27,7 @@ def tab(tab, session):
 def choose_type(tab, session, name):
     tab.set("Jump type", jump_types.load_type(name).title)
     planned(tab, session, lambda jump: jump.type == name, f"a plan of {name}")
-    tab.wait_for_status("Planned")
+    tab.wait_for_status("Feasible")
 
 
 def there(tab):

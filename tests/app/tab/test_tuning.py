@@ -13,7 +13,7 @@ from app.panel.acts import Act
 from app.panel.tuning import entries_of
 from app.tab.acts import update
 from app.tab.effects import Notify, ResetControls
-from app.tab.opening import first_state
+from app.tab.start.opening import first_state
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.schema import robot_files

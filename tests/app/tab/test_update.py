@@ -10,12 +10,11 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.link import PageReady, PlaybackChosen, PlayerMoved
+from app.link import PageReady, PlaybackChosen, PlayerMoved, PushDragged
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import FileChoice
 from app.panel.view_controls import View
-from app.picture.push_handle import PushDragged
 from app.plots.choice import PRESETS
 from app.tab.acts import Corrected, update
 from app.tab.comparison import PinChosen
@@ -31,8 +30,9 @@ from app.tab.effects import (
     Submit,
 )
 from app.tab.files import FileChosen
-from app.tab.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.planning import Rested
+from app.tab.refining import WholeBody
+from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.protocol import (
@@ -40,8 +40,6 @@ from app.workers.protocol import (
     Exported,
     ExportMotion,
     Failed,
-    FindNearest,
-    Found,
     Opened,
     OpenFile,
     PlanJump,
@@ -49,6 +47,8 @@ from app.workers.protocol import (
     Prepare,
     Prepared,
     Progress,
+    RefinePlan,
+    Refused,
     SeedDone,
     SeedResult,
     Simulated,
@@ -62,8 +62,9 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from tests.app.planners import Nearest, turning_states
+from tests.app.planners import turning_states
 from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
+from tests.app.synthetic_plan import refined_plan
 
 # ---- events that change one thing
 
@@ -75,13 +76,15 @@ from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
         (PRESETS["Base rates"], {"plots"}),
         (PlayerMoved(0.5, playing=True), {"playback"}),
         (PlaybackChosen(0.25, loop=False), {"playback"}),
-        (PageReady(software=False), {"page", "fine"}),
+        # With the preferences and the height that the page reports with itself.
+        (PageReady(software=False), {"page", "fine", "plots", "view"}),
         (Act.SHARE, set()),
         (Remarked("The cluster is back."), set()),
         (Act.SAVE, set()),
         (Act.STOP_FILES, set()),
         (Act.UNPIN, {"pins", "pin_chosen"}),
         (Act.NEAREST, set()),
+        (WholeBody(False), {"whole_body"}),
         (Act.WORST, set()),
         (Act.USE_PINNED, set()),
         (Scenario(board=0.02), {"design", "history", "work"}),
@@ -131,8 +134,8 @@ WISHES = st.one_of(
             Act.SEEDS,
             Act.COMPARE_REPLANNING,
             Act.COMPARE_MODEL,
-            PushDragged(0.4, (5.0, 0.0, 0.0), ended=False),
-            PushDragged(0.4, (5.0, -1.0, 0.0), ended=True),
+            PushDragged(0.4, 0.3, 0.0, ended=False),
+            PushDragged(0.4, 0.3, -0.1, ended=True),
             Act.WORST,
             Act.CANCEL,
             Act.NEAREST,
@@ -144,6 +147,8 @@ WISHES = st.one_of(
             Act.SAVE,
             Act.SHARE,
             Act.STOP_FILES,
+            WholeBody(True),
+            WholeBody(False),
             FileChosen("a.csv", b""),
             PageReady(software=True),
             PlayerMoved(0.3, playing=True),
@@ -182,8 +187,8 @@ def success(task, file):
             return Prepared(0, robot)
         case PlanJump(jump, tuning):
             return Planned(0, _plan(jump, tuning))
-        case FindNearest(jump):
-            return Found(0, Nearest(jump, plan_of(jump), "this instead"))
+        case RefinePlan(plan=plan):
+            return Planned(0, refined_plan(plan))
         case SimulateJump(plan=plan, scenario=scenario):
             return Simulated(0, simulated(plan, scenario))
         case SimulateSeeds(plan=plan, seeds=seeds, scenario=scenario):
@@ -287,12 +292,15 @@ class AnyEvents(RuleBasedStateMachine):
         )
         before = self.state
         self.take(Reported(submit.queue, submit.ticket, report))
-        if not newest and not isinstance(report, Planned):
+        if not newest and not isinstance(report, Planned | Refused):
             assert self.state is before
 
     def failure(self, submit):
-        patient = isinstance(submit.task, PlanJump) and submit.task.patient
-        return Failed(0, "no", plan_of(submit.task.jump, "not-converged") if patient else None)
+        if not isinstance(submit.task, PlanJump):
+            return Failed(0, "no")
+        jump = submit.task.jump
+        nearest = None if jump.forward else _plan(replace(jump, twist=0.5), submit.task.tuning)
+        return Refused(0, jump, "no", plan_of(jump, "not-converged"), nearest)
 
     @precondition(lambda self: self.loading)
     @rule(missing=st.sampled_from([False, False, False, True]))

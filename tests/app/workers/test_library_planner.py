@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.protocol import ExportMotion, FindNearest, OpenFile, PlanJump, SimulateJump
+from app.workers.protocol import ExportMotion, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import UnusableStart
 from llsrbm.ocp.horizon import Iterate
@@ -41,7 +41,7 @@ def called(monkeypatch):
 
         return function
 
-    for name in ("plan", "nearest", "simulate"):
+    for name in ("plan", "simulate"):
         monkeypatch.setattr(llsrbm, name, record(name))
     return calls
 
@@ -58,7 +58,7 @@ def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
     assert jump == JUMP
     assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
     assert options["near"] is near
-    assert options["patient"] is False
+    assert options["explains"] is False
     assert options["cancelled"] is never
 
 
@@ -150,10 +150,3 @@ def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
         planner.simulate(task, told.append, lambda *_: None, never)
     (line,) = told
     assert line.startswith("building the solvers that plan anew, of llsrbm-plus for anymal")
-
-
-def test_a_search_gets_its_tuning(called):
-    LibraryPlanner().nearest(FindNearest(JUMP, TUNING), silent, never)
-    (jump,), options = called["nearest"]
-    assert jump == JUMP
-    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)

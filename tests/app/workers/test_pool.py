@@ -17,6 +17,7 @@ from app.workers.protocol import (
     Prepare,
     Prepared,
     Progress,
+    Refused,
 )
 from llsrbm.request.jump import Jump
 from tests.app import planners
@@ -53,25 +54,32 @@ def test_who_waits_hears_what_for(shared_pool):
 
 
 @pytest.mark.parametrize(
-    ("task", "message", "with_plan"),
+    ("task", "message"),
     [
-        (PlanJump(Jump(twist=planners.REFUSED)), "twist: expected -1 to 1 rad, got more", False),
-        (
-            PlanJump(Jump(twist=planners.UNSOLVABLE)),
-            "no convergence: reach violated in flight by 0.02 m",
-            True,
-        ),
-        (Prepare("nosuch"), 'no robot "nosuch"', False),
+        (PlanJump(Jump(twist=planners.REFUSED)), "twist: expected -1 to 1 rad, got more"),
+        (Prepare("nosuch"), 'no robot "nosuch"'),
     ],
 )
-def test_a_users_error_is_a_message_and_the_process_lives_on(shared_pool, task, message, with_plan):
+def test_a_users_error_is_a_message_and_the_process_lives_on(shared_pool, task, message):
     tab = Tab(shared_pool)
     before = shared_pool.process_ids
     shared_pool.submit("tab", task, tab.reports.put)
     report = tab.outcome()
     assert isinstance(report, Failed)
     assert report.message == message
-    assert (report.plan is not None) == with_plan
+    assert shared_pool.process_ids == before
+
+
+def test_a_request_that_is_not_feasible_is_refused_with_where_planning_ended(shared_pool):
+    tab = Tab(shared_pool)
+    before = shared_pool.process_ids
+    jump = Jump(twist=planners.UNSOLVABLE)
+    shared_pool.submit("tab", PlanJump(jump), tab.reports.put)
+    report = tab.outcome()
+    assert isinstance(report, Refused)
+    assert (report.jump, report.nearest) == (jump, None)
+    assert report.reason == "no convergence: reach violated in flight by 0.02 m"
+    assert not report.last.solved
     assert shared_pool.process_ids == before
 
 

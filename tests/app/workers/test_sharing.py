@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import signal
 import threading
@@ -14,12 +15,11 @@ from app.workers.pool import WorkerPool
 from app.workers.protocol import (
     Cancelled,
     Failed,
-    FindNearest,
-    Found,
     PlanJump,
     Planned,
     Prepare,
     Progress,
+    Refused,
     Simulated,
 )
 from llsrbm.request.jump import Jump
@@ -111,14 +111,9 @@ def test_a_plan_does_not_wait_for_another_tabs_simulations(pool):
         assert tab.outcome() == Cancelled(job)
 
 
-@pytest.mark.parametrize("what", ["simulation", "search"])
-def test_a_new_plan_stops_its_tabs_simulation_or_search_and_does_not_wait_for_it(pool, what):
+def test_a_new_plan_stops_its_tabs_simulation_and_does_not_wait_for_it(pool):
     tab = Tab(pool)
-    old = (
-        tab.simulate(seed=planners.SLOWLY)
-        if what == "simulation"
-        else tab.submit(FindNearest(Jump(twist=planners.SLOW)))
-    )
+    old = tab.simulate(seed=planners.SLOWLY)
     tab.wait_until_running(old)
     began = time.monotonic()
     new = tab.plan(forward=0.1)
@@ -158,30 +153,24 @@ def test_a_plan_comes_with_its_tuning(pool):
     assert tab.outcome().plan.tuning == tuning
 
 
-def test_the_nearest_jump_is_found_or_it_is_said_that_there_is_none(pool):
+def test_a_refusal_comes_with_the_nearest_plan_if_there_is_one(pool):
     tab = Tab(pool)
-    job = tab.submit(FindNearest(Jump(twist=1.0)))
-    report = tab.outcome()
-    assert isinstance(report, Found)
-    assert (report.job, report.nearest.jump.twist) == (job, 0.5)
-    assert report.nearest.plan.jump == report.nearest.jump
-    job = tab.submit(FindNearest(Jump(twist=planners.UNSOLVABLE)))
-    assert tab.outcome() == Failed(job, "contact_force: nothing can be planned within 10 N")
+    for twist, nearest in ((math.radians(-170), planners.FARTHEST), (planners.UNSOLVABLE, None)):
+        job = tab.plan(twist)
+        report = tab.outcome()
+        assert isinstance(report, Refused)
+        assert (report.job, report.jump.twist) == (job, twist)
+        assert not report.last.solved
+        assert (report.nearest and report.nearest.jump.twist) == nearest
+    assert report.reason == "no convergence: reach violated in flight by 0.02 m"
 
 
-@pytest.mark.parametrize(
-    "stubborn",
-    [
-        PlanJump(Jump(twist=planners.STUBBORN)),
-        FindNearest(Jump(twist=planners.STUBBORN)),
-    ],
-)
 def test_cancel_is_heard_at_once_and_others_are_served_while_the_process_is_replaced(
-    own_pool, stubborn
+    own_pool,
 ):
     tab, other = Tab(own_pool), Tab(own_pool, "other")
     before = set(own_pool.process_ids)
-    job = tab.submit(stubborn)
+    job = tab.plan(planners.STUBBORN)
     tab.wait_until_running(job)
     began = time.monotonic()
     own_pool.cancel("tab")

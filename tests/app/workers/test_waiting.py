@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from app.workers.protocol import (
     ExportMotion,
-    FindNearest,
     OpenFile,
     PlanJump,
     Prepare,
@@ -23,11 +22,10 @@ from llsrbm.request.scenario import Scenario
 
 PLAN = PlanJump(Jump())
 OTHER = PlanJump(Jump(model="srbm"))
-SEARCH = FindNearest(Jump())
 SIMULATION = SimulateJump(None, Scenario())  # which plan does not matter here
 TABLE, LOG = (ExportMotion(None, (name,)) for name in ("csv", "mcap"))
 FILE = OpenFile("a.npz", b"", "anymal")
-TASKS = (PLAN, OTHER, SEARCH, SIMULATION, Prepare("anymal"), TABLE, LOG, FILE)
+TASKS = (PLAN, OTHER, SIMULATION, Prepare("anymal"), TABLE, LOG, FILE)
 
 numbers = itertools.count(1)
 

@@ -51,7 +51,8 @@ def test_every_corner_is_reached_by_the_leg_in_time(yaw, tilt, left):
         assert outline.shape == (SIDES, 3)
         assert outline[:, 2] == pytest.approx(np.zeros(SIDES))
         hip = expected.base_position + turn.apply(ROBOT.hips[leg])
-        local = turn.inv().apply(outline - hip) * ROBOT.mirrors[leg]
+        frame = outline + np.array([0, 0, ROBOT.foot_lift])
+        local = turn.inv().apply(frame - hip) * ROBOT.mirrors[leg]
         assert (local >= np.array(REACH.lower) - 1e-9).all()
         assert (local <= np.array(REACH.upper) + 1e-9).all()
         assert (np.linalg.norm(local, axis=1) <= REACH.distance[1] + 1e-9).all()
@@ -66,7 +67,8 @@ def test_with_all_the_time_the_reach_alone_limits_it():
     feet = np.array(ROBOT.feet)
     outlines = landing_regions(ROBOT, REACH, SPEED, expected, feet, -10.0)
     side = np.linspace(-1, 1, 401)
-    ground = np.stack([*np.meshgrid(side, side), np.zeros((401, 401))], axis=-1).reshape(-1, 3)
+    height = np.full((401, 401), ROBOT.foot_lift)  # of the feet's frames, standing
+    ground = np.stack([*np.meshgrid(side, side), height], axis=-1).reshape(-1, 3)
     for leg, outline in enumerate(outlines):
         hip = expected.base_position + turn.apply(ROBOT.hips[leg])
         local = turn.inv().apply(ground - hip) * ROBOT.mirrors[leg]

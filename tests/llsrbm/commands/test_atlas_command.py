@@ -57,3 +57,24 @@ def test_a_sweep_of_one_axis_has_no_map(tmp_path, capfd):
     write(tmp_path / "jumps.parquet", [row(0), row(1, twist=1.0)])
     assert main(["atlas", str(tmp_path)]) == 2
     assert "expected two axes" in capfd.readouterr().err
+
+
+def test_the_intervals_that_can_be_planned(capfd):
+    weak = ["--at", "forward=0.2", "--at", "limit_torque_share=0.5"]
+    assert main(["atlas", "--intervals", "--robot", "go2", *weak, "--json"]) == 0
+    (found,) = json.loads(capfd.readouterr().out)["robots"].values()
+    assert set(found["intervals"]) == {"twist", "forward", "lateral", "height"}
+    assert found["unknown"] == ""
+    assert main(["atlas", "--intervals", "--robot", "go2", *weak]) == 0
+    assert "go2 twist" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("at", "why"),
+    [("speed=1", '"speed"'), ("limit_grip=1", "unknown limit"), ("twist=900", "out of range")],
+)
+def test_intervals_of_what_cannot_be_are_one_line(capfd, at, why):
+    assert main(["atlas", "--intervals", "--at", at]) == 2
+    told = capfd.readouterr().err
+    assert why in told
+    assert told.count("\n") == 1

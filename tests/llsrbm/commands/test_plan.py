@@ -18,8 +18,9 @@ from tests.llsrbm.synthetic import synthetic_plan
 # As the contract has them, in its order.
 PLAN_KEYS = [
     "status", "solver", "iterations", "guess", "solve_time_s", "total_time_s", "build_time_s",
-    "cost", "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw", "violations",
-    "joint_torque_ratio", "phases", "request",
+    "cost", "compiling", "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw",
+    "model_turn", "refined", "refinement", "violations", "joint_torque_ratio", "phases", "request",
+    "certificate", "certified",
 ]  # fmt: skip
 
 
@@ -157,7 +158,7 @@ def test_summary_for_a_person(planner, capsys):
     planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--twist", "90"]) == 0
     out = capsys.readouterr().out
-    assert "llsrbm-plus: twist 90 deg, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
+    assert "llsrbm-plus: twist 90°, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
     assert "1.50 s: take-off 0.50, flight 0.40, landing 0.60 s\n" in out
     assert "14 iterations" in out
     assert "is most loaded, " in out

@@ -130,9 +130,9 @@ def test_summary_for_a_person(simulator, saved, capsys):
     assert cli.main(["simulate", str(saved)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
-    assert "half board 25 mm, disturbed by seed 7, noise 1, trunk +12 % against" in out
+    assert "half board 25 mm, disturbed by seed 7, noise 1, trunk +12.0 % against" in out
     assert "planned 0.900 s, true 0.890 s, detected 0.895 s, 0 false" in out
-    assert "-2.9 deg at touchdown, +0.1 deg at the end" in out
+    assert "−2.9° at touchdown, +0.1° at the end" in out
     assert "4.2 x real time" in out
 
 
@@ -153,7 +153,7 @@ def test_summary_of_pushes_and_replans(simulator, saved, capsys):
     assert cli.main(["simulate", str(saved)]) == 0
     out = capsys.readouterr().out
     assert "undisturbed, estimator drift\n" in out
-    assert "push 1    at 0.400 s: 0, 12, 0 N s, 0, 0, -0.5 N m s\n" in out
+    assert "push 1    at 0.400 s: 0, 12, 0 N s, 0, 0, −0.5 N m s\n" in out
     assert "push 2    at 0.500 s: 1, 2, 0 N s\n" in out
     assert "landed, by the strict measure not, but for the feet's place it would\n" in out
     assert "replans   2, 1 of them solved, 10.0 ms (p95 15.0 ms)\n" in out

@@ -77,3 +77,25 @@ def test_feet_put_down_gently_stand_within_40_ms(controller):
     assert not any(feet[2:].any() for feet in found.values())
     settled = min(time for time, feet in found.items() if feet[:2].all())
     assert 0.010 < settled <= 0.040
+
+
+@pytest.mark.parametrize("off", [-0.2, -0.02, 0.03, 0.2])
+def test_feet_in_flight_are_at_their_planned_height_whatever_the_robots(controller, off):
+    """Up to 5 cm; beyond, the ground is not where it was planned."""
+    controller, start = controller
+    controller.detector = TouchdownAt(100)
+    q = ROBOT.posture.copy()
+    for late in (False, True):
+        time = controller.contacts.plan_time(start)
+        if late:
+            time = controller.flights[-1].touchdown + 0.01
+        planned = controller.target(time)
+        body = WholeBody(ROBOT)
+        body.update(q, np.zeros(18))
+        if not late:
+            q[2] += planned.com[2] + off - body.com[2]
+        done = controller.step(Measurement(time, q, np.zeros(18), np.zeros(12)))
+        if late:
+            planned = controller._reference.late(1)
+        moved = (done.target.foot_from_com - planned.foot_from_com)[:, 2]
+        np.testing.assert_allclose(moved, np.clip(-off, -0.05, 0.05), atol=1e-9)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 
-from llsrbm.control.qp import Qp, check_name
+from llsrbm.control.qp import SOFTNESS, Qp, check_name
 from llsrbm.errors import InputError
 from tests.llsrbm.control.programs import program, programs, stationarity, violation
 
@@ -64,6 +64,33 @@ def test_a_minimum_by_hand():
     p.C[:] = [[0, 0, 1], [1, 0, 0]]
     p.upper[0], p.lower[1] = 3, 0.8
     np.testing.assert_allclose(p.solve(), [0.8, 0.2, 3], atol=1e-9)
+
+
+def with_slacks(p):
+    """The program whose soft bounds are hard ones of x + s, with slacks s of their weight."""
+    n, m = len(p.g), len(p.b)
+    slack = Qp.zeros(2 * n, m, len(p.C) + n)
+    slack.H[:n, :n], slack.H[n:, n:], slack.g[:n] = p.H, SOFTNESS * np.eye(n), p.g
+    slack.A[:, :n], slack.b[:] = p.A, p.b
+    slack.C[: len(p.C), :n], slack.C[len(p.C) :] = p.C, np.hstack([np.eye(n), np.eye(n)])
+    slack.lower[:] = np.concatenate([p.lower, p.soft_lower])
+    slack.upper[:] = np.concatenate([p.upper, p.soft_upper])
+    return slack
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_soft_bounds_are_slacks_and_never_make_a_program_infeasible(seed):
+    p = program(seed)
+    inside = p.solve()
+    rng = np.random.default_rng(seed)
+    # Some of them exclude what the hard constraints leave.
+    side = rng.uniform(-1, 1, len(inside))
+    p.soft_lower[:6] = (inside + side)[:6]
+    p.soft_upper[6:] = (inside + side)[6:]
+    x = p.solve()
+    expected = with_slacks(p).solve()[: len(x)]
+    np.testing.assert_allclose(x, expected, atol=1e-6)
+    assert violation(p, x) <= TIGHT
 
 
 def contradictions():

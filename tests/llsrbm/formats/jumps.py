@@ -15,7 +15,7 @@ from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
 ROBOTS = ("anymal", "slider")
-HALF_TURN = 3.1  # rad, nearly
+HALF_TURN = 2.9  # rad, nearly
 
 
 @cache

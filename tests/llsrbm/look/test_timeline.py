@@ -27,8 +27,15 @@ def test_take_off_flight_landing():
         ("flight", palette.FLIGHT, "no foot"),
         ("landing", palette.LANDING, "all feet"),
     ]
-    assert sorted(mark.name for mark in events.marks) == ["apex", "lift-off", "touchdown planned"]
+    assert sorted(mark.name for mark in events.marks) == [
+        "apex",
+        "lift-off",
+        "push-off",
+        "touchdown",
+    ]
     assert events.summary == "lift-off 0.50 s, touchdown 0.90 s"
+    lowest = plan.time[np.argmin(np.where(plan.time <= 0.5, plan.com[:, 2], np.inf))]
+    assert {mark.name: mark.time for mark in events.marks}["push-off"] == lowest
     assert events.end == plan.duration
 
 
@@ -59,11 +66,12 @@ def test_every_phase_of_several_jumps(hops):
     assert all(a > b for a, b in zip(pieces[1].colour, palette.TAKE_OFF, strict=True))
     marks = {mark.name: mark.time for mark in events.marks}
     assert marks["lift-off"] == pytest.approx(0.6)
-    assert marks["touchdown planned"] == pytest.approx(0.9)
+    assert marks["touchdown"] == pytest.approx(0.9)
     assert marks["lift-off 2"] == pytest.approx(1.3)
-    assert marks["touchdown planned 2"] == pytest.approx(1.65)
-    assert marks["lift-off"] <= marks["apex"] <= marks["touchdown planned"]
-    assert marks["lift-off 2"] <= marks["apex 2"] <= marks["touchdown planned 2"]
+    assert marks["touchdown 2"] == pytest.approx(1.65)
+    assert marks["push-off"] <= marks["lift-off"] <= marks["apex"] <= marks["touchdown"]
+    assert marks["touchdown"] <= marks["push-off 2"] <= marks["lift-off 2"]
+    assert marks["lift-off 2"] <= marks["apex 2"] <= marks["touchdown 2"]
 
 
 def test_pushes_are_marks_by_their_size():
@@ -75,7 +83,7 @@ def test_pushes_are_marks_by_their_size():
         disturbance=replace(rollout.disturbance, random_push=Push(0.8, (0.0, -7.5, 0.0))),
     )
     marks = timeline(rollout.plan, rollout).marks
-    assert [(mark.name, mark.time) for mark in marks if mark.colour == palette.PUSH] == [
+    assert [(mark.name, mark.time) for mark in marks if mark.colour == palette.FORCE] == [
         ("push 5 N s", 0.6),
         ("push 1 N s", 0.7),
         ("push 7.5 N s", 0.8),

@@ -126,7 +126,7 @@ def drawn_robot(tmp_path, shape):
     text = path.read_text().replace("_HFE", "_A")
     for angles in ("-0.1, 0.7, -1.0", "0.1, 0.7, -1.0", "-0.1, -0.7, 1.0", "0.1, -0.7, 1.0"):
         text = text.replace(f"[{angles}]", "[0.0]")
-    path.write_text(text)
+    path.write_text(text + "\n[foot]\nradius = 0.02\n")
     return build_robot(path)
 
 

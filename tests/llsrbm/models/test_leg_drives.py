@@ -8,7 +8,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.models.leg_drives import Drives, FittedLeg, KneeLeg, leg_drives
+from llsrbm.models.drives import Drives, leg_drives, near_stops
+from llsrbm.models.fitted_leg import FittedLeg
+from llsrbm.models.knee_leg import KneeLeg
 from llsrbm.robots import load_robot
 from llsrbm.robots.leg_fit import sampled_legs
 from tests.llsrbm.robots.test_robot import beside
@@ -54,6 +56,28 @@ def test_legs_with_a_knee_are_recognised(name):
     assert all(isinstance(leg, KneeLeg) and leg.exact and leg.joints == 3 for leg in legs)
 
 
+@pytest.mark.parametrize("name", [*KNEES, "a1", "go1", "anymal_c"])
+def test_angles_of_knees_are_those_of_inverse_kinematics(name):
+    x, q, _ = places(load_robot(name), 60)
+    for place, angles in zip(x, q, strict=True):
+        for i, leg in enumerate(drives_of(name)):
+            np.testing.assert_allclose(number(leg.angles(ca.DM(place[i]))), angles[i], atol=2e-5)
+
+
+@pytest.mark.parametrize(
+    ("name", "joints"),
+    [
+        ("anymal", set()),  # its URDF's stops are turns away
+        ("anymal_c", {"HAA"}),
+        ("g1", {"hip_roll_joint", "ankle_pitch_joint", "ankle_roll_joint"}),
+    ],
+)
+def test_joints_that_may_come_near_a_stop(name, joints):
+    robot = load_robot(name)
+    may_stop = robot.leg_joint_index[near_stops(robot)]
+    assert {robot.joint_names[j].split("_", 1)[1] for j in may_stop} == joints
+
+
 @pytest.mark.parametrize("name", KNEES)
 def test_rates_and_torques_of_knees_are_those_of_the_jacobian(name):
     """Feet on both sides of the abduction axis' planes, all over the reach, moved at random."""
@@ -69,6 +93,10 @@ def test_rates_and_torques_of_knees_are_those_of_the_jacobian(name):
             assert np.linalg.norm(found - expected) < 1e-3 * np.linalg.norm(expected)
             torque = number(leg.holding_torque(ca.DM(place[i]), ca.DM(force), None))
             assert np.linalg.norm(torque + J.T @ force) < 1e-3 * np.linalg.norm(J.T @ force)
+            load = np.append(force, 0.1 * rng.normal(size=3))
+            torque = number(leg.holding_torque(ca.DM(place[i]), *map(ca.DM, np.split(load, 2))))
+            expected = jacobians[i].T @ load
+            assert np.linalg.norm(torque + expected) < 1e-3 * np.linalg.norm(expected)
 
 
 @pytest.mark.parametrize("name", [*KNEES, "slider"])

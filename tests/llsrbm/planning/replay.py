@@ -90,7 +90,7 @@ def _rate(plan, model, k, share, s, correction):
 
 def _seen(plan, model, k, R, s):
     """Standing feet from the CoM, (L, d), and their rates, (4, L, d), at the `PROBES`."""
-    beta = (plan.foot_position[k] - s.position) @ R
+    beta = (plan.foot_position[k] + [0, 0, model.foot_lift] - s.position) @ R
     rate = -s.velocity @ R - np.cross(PROBES[:, None], beta)
     if model.coordinates == 3:
         return beta, rate

@@ -48,7 +48,8 @@ def test_the_second_flight_is_as_much_later_as_the_first_touchdown(hopped):
     outcome = hopped.outcome
     assert outcome.touchdown_planned_s - plan.phase_start[4] == pytest.approx(late, abs=2e-3)
     assert outcome.touchdown_detected_s == pytest.approx(begun[4])
-    assert 0 <= outcome.touchdown_detected_s - outcome.touchdown_true_s < 0.015
+    # Feet that are put down gently as planned are felt late.
+    assert 0 <= outcome.touchdown_detected_s - outcome.touchdown_true_s < 0.025
     assert min(outcome.foot_touchdown_s) == outcome.touchdown_true_s
     assert outcome.false_touchdowns == 0
 

@@ -18,7 +18,7 @@ from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
 TICK = 1 / ROBOT.file.control.rate
-ASIDE = (0.0, 17.0, 0.0)  # N s: of what few landings recover without planning anew
+ASIDE = (0.0, 20.0, 0.0)  # N s: of what few landings recover without planning anew
 
 
 class Clock:
@@ -130,9 +130,10 @@ def test_the_first_plan_is_followed_until_a_push(takes):
 
 def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
     takes(0.015)
-    push = (Push(middle(), ASIDE),)
+    # To the side on which no knee meets the ground, as it does in others' landings.
+    push = (Push(middle(), tuple(-x for x in ASIDE)),)
     without, anew = (
-        simulate(plan(), ROBOT, Scenario(seed=2, noise=1.0, pushes=push, replan=on)).outcome
+        simulate(plan(), ROBOT, Scenario(seed=6, noise=1.0, pushes=push, replan=on)).outcome
         for on in (False, True)
     )
     assert not without.recovered

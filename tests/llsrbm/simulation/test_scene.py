@@ -1,5 +1,7 @@
 """The MuJoCo model against Pinocchio's: masses, mass matrix, accelerations, what collides."""
 
+import itertools
+
 import mujoco
 import numpy as np
 import pinocchio as pin
@@ -8,6 +10,7 @@ import pytest
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
+from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Block, Surroundings
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
@@ -93,19 +96,42 @@ def test_mass_matrix(robot, factor):
         assert turn.T @ M @ turn == pytest.approx(believed, abs=1e-9)
 
 
-def test_feet_and_trunk_meet_the_world_and_never_one_another(robot):
-    scene = scene_of(robot)
+def test_links_meet_the_world_and_each_other_by_stated_pairs_alone(robot):
+    scene, links = scene_of(robot), LinkShapes.of(robot)
     model = scene.model
     names = [model.geom(g).name for g in range(model.ngeom)]
-    assert {name.split("/")[0] for name in names} == {"world", "foot", "trunk"}
-    assert [n for n in names if n.startswith("foot/")]
+    assert {name.split("/")[0] for name in names} == {"world", "foot", "link"}
+    of_feet = {f"link/{s.link}/{k}" for k, s in enumerate(links.shapes) if s.foot}
     for a, first in enumerate(names):
         for b, second in enumerate(names):
             meet = bool(
                 model.geom_contype[a] & model.geom_conaffinity[b]
                 or model.geom_contype[b] & model.geom_conaffinity[a]
             )
-            assert meet == (first.startswith("world/") != second.startswith("world/"))
+            one_of_the_world = first.startswith("world/") != second.startswith("world/")
+            assert meet == (one_of_the_world and not of_feet & {first, second})
+    stated = {
+        frozenset((names[a].split("/")[1], names[b].split("/")[1]))
+        for a, b in zip(model.pair_geom1, model.pair_geom2, strict=True)
+    }
+    assert stated == {frozenset(pair) for pair in links.pairs}
+
+
+def test_shapes_are_where_the_links_are(robot):
+    """The distances of MuJoCo's geoms of pairs are those by coal."""
+    scene, links = scene_of(robot), LinkShapes.of(robot)
+    names = [f"link/{shape.link}/{k}" for k, shape in enumerate(links.shapes)]
+    for q, v, _ in itertools.islice(random_states(robot), 4):
+        data, _, _ = in_mujoco(scene, q, v)
+        mujoco.mj_forward(scene.model, data)
+        found = np.full(len(links.pairs), np.inf)
+        for (one, other), pair in zip(links.shape_pairs, links.pair_of, strict=True):
+            a, b = (scene.model.geom(names[k]).id for k in (one, other))
+            apart = mujoco.mj_geomDistance(scene.model, data, a, b, 1.0, np.zeros(6))
+            found[pair] = min(found[pair], apart)
+        expected = links.distances(q)
+        near = (expected > 1e-3) & (expected < 0.5)
+        assert found[near] == pytest.approx(expected[near], abs=1e-4)
 
 
 def test_friction_and_stiffness_are_the_disturbances(robot):

@@ -2,15 +2,20 @@
 
 import dataclasses
 
+import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
 
+import llsrbm
 from llsrbm.errors import InputError
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
+from llsrbm.simulation.scene import build_scene, foot_geoms
 from llsrbm.simulation.simulate import standing_state, starting_velocity
+from llsrbm.simulation.surroundings import Surroundings
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
@@ -41,6 +46,34 @@ def test_com_attitude_and_feet_are_the_plans(robot):
     lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     assert (q[7:] >= lower).all()
     assert (q[7:] <= upper).all()
+
+
+@pytest.mark.parametrize(("name", "off"), [("go2", 1e-4), ("anymal", 6e-3), ("slider", 1e-4)])
+def test_mujocos_feet_touch_what_a_plan_stands_on(name, off):
+    """In every posture of a jump onto a box: a ball's lowest point at the planned surface.
+
+    ANYmal's balls are beside their frames, so their heights change a little as the legs bend.
+    """
+    robot = load_robot(name)
+    plan = llsrbm.plan(Jump(robot=name, forward=0.2, height=0.1))
+    assert plan.foot_position[0, :, 2] == pytest.approx(0.0, abs=1e-9)
+    assert plan.foot_position[-1, :, 2] == pytest.approx(0.1, abs=1e-6)
+    scene = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 1e-3)
+    data = mujoco.MjData(scene.model)
+    joints = plan.joint_position[:, [plan.joint_names.index(n) for n in robot.joint_names]]
+    postures = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), joints])
+    gaps = np.zeros(plan.contact.shape)
+    for k, q in enumerate(postures):
+        data.qpos[scene.q_order] = q
+        mujoco.mj_kinematics(scene.model, data)
+        for leg, names in enumerate(foot_geoms(robot)):
+            ids = [scene.model.geom(geom).id for geom in names]
+            lowest = data.geom_xpos[ids, 2] - scene.model.geom_size[ids, 0]
+            gaps[k, leg] = np.abs(lowest - plan.foot_position[k, leg, 2]).max()
+    assert gaps[[0, -1]].max() < 1e-3
+    stands = plan.contact.copy()
+    stands[1:] |= plan.contact[:-1]
+    assert gaps[stands].max() < off
 
 
 def test_what_cannot_stand_is_refused():

@@ -11,6 +11,7 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.mechanics import turned
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
+from llsrbm.simulation.contacts import Touch
 from llsrbm.simulation.episode import Fall, fallen
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import TickResult
@@ -104,8 +105,7 @@ class Landing:
             "torque_limit": np.ones((count, 12)),
         }
         self.mass, self.v, self.tick_times = ROBOT.mass, np.zeros((count, 18)), np.ones(count)
-        self.trunk_contact, self.solved = np.zeros((2, count), dtype=bool)
-        self.solved[:] = True
+        self.touches, self.solved = [()] * count, np.ones(count, dtype=bool)
 
     def __len__(self):
         return len(self.columns["time"])
@@ -115,8 +115,8 @@ class Landing:
         time, contact = self.columns["time"], self.columns["contact"]
         first = np.where(contact, time[:, None], np.nan)
         return [
-            replace(NOTHING, first_contact=row, trunk_contact=bool(trunk))
-            for row, trunk in zip(first, self.trunk_contact, strict=True)
+            replace(NOTHING, first_contact=row, touches=touches)
+            for row, touches in zip(first, self.touches, strict=True)
         ]
 
     @property
@@ -150,8 +150,22 @@ def thrown_up_again(landing, ticks):
     landing.columns["contact"][begin : begin + ticks] = False
 
 
+def touches(landing, ticks, touch):
+    begin = np.flatnonzero(landing.after)[0] + 8
+    for tick in range(begin, begin + ticks):
+        landing.touches[tick] = ((touch, landing.columns["time"][tick]),)
+
+
 def trunk_touches(landing, ticks):
-    landing.trunk_contact[:ticks] = True
+    touches(landing, ticks, Touch("base", "the ground", trunk=True))
+
+
+def shin_touches(landing, ticks):
+    touches(landing, ticks, Touch("LH_SHANK", "the box", trunk=False))
+
+
+def legs_touch(landing, ticks):
+    touches(landing, ticks, Touch("LH_SHANK", "RH_SHANK", trunk=False))
 
 
 def unsolved(landing, ticks):
@@ -174,6 +188,8 @@ def sits(landing, share):
         (leaned_after_touchdown, 14.8, 15.2),
         (thrown_up_again, 11, 13),
         (trunk_touches, 0, 1),
+        (shin_touches, 0, 1),
+        (legs_touch, 0, 1),
         (unsolved, 0, 1),
         (moves_at_the_end, 0.09, 0.11),
         (sits, 0.71, 0.69),
@@ -185,6 +201,16 @@ def test_each_term_of_strict_success_decides_alone(change, within, beyond):
     change(bad, beyond)
     assert (good.outcome().strict, good.outcome().recovered) == (True, True)
     assert (bad.outcome().strict, bad.outcome().recovered) == (False, False)
+
+
+def test_what_touched_is_named_once_with_its_time():
+    landing = Landing()
+    shin_touches(landing, 3)
+    at = landing.columns["time"][np.flatnonzero(landing.after)[0] + 8]
+    outcome = landing.outcome()
+    assert outcome.touched == f"LH_SHANK touched the box at {at:.2f} s"
+    assert (outcome.trunk_touched, outcome.status) == (False, "landed")
+    assert Landing().outcome().touched == ""
 
 
 def test_a_robot_that_is_moved_aside_has_recovered_and_is_not_strict():
@@ -222,3 +248,20 @@ def test_the_speed_at_the_end_is_that_of_the_mass_that_was_simulated():
     moves_at_the_end(heavy, 0.12)
     assert heavy.outcome().final_speed == pytest.approx(0.08)
     assert heavy.outcome().strict
+
+
+def test_the_yaw_gained_in_flight_is_told_from_that_of_take_off():
+    """5 deg ahead at lift-off, then 8 behind the plan's turn: 3 behind as it lands."""
+    landing = Landing()
+    time, quat = landing.columns["time"], landing.columns["base_quat"]
+    start, end = PLAN.lift_off, PLAN.touchdown
+    ahead = np.interp(time, [0.0, start, end], [0.0, 5.0, -3.0])
+    rotated = Rotation.from_euler("z", ahead[:, None], degrees=True)
+    quat[:] = (rotated * Rotation.from_quat(quat, scalar_first=True)).as_quat(scalar_first=True)
+    outcome = landing.outcome()
+    assert np.degrees(outcome.yaw_error_at_lift_off) == pytest.approx(5.0, abs=0.1)
+    assert np.degrees(outcome.yaw_error_in_flight) == pytest.approx(-8.0, abs=0.2)
+    assert np.degrees(outcome.yaw_error_at_planned_touchdown) == pytest.approx(-3.0, abs=0.1)
+    landing.flights = []
+    missed = landing.outcome()
+    assert missed.yaw_error_at_lift_off is missed.yaw_error_at_planned_touchdown is None

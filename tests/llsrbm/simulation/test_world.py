@@ -210,6 +210,36 @@ def test_the_trunk_on_the_ground_is_told():
     assert not any(result.contact.any() for result in results)
 
 
+def test_knees_on_the_ground_are_named_and_are_not_the_trunk():
+    """It falls 1 cm on the ends of its thighs, the legs folded."""
+    world = world_of()
+    q = ANYMAL.posture.copy()
+    q[2] = 0.205
+    for leg in ANYMAL.legs:
+        forward = np.sign(ANYMAL.posture[leg.q_index[1]])
+        q[leg.q_index] = 0.0, forward * 1.0, -forward * 2.7
+    world.reset(q, np.zeros(18))
+    results = [world.advance(np.zeros(JOINTS)) for _ in range(24)]
+    touches = [touch for result in results for touch, _ in result.touches]
+    assert {touch.link for touch in touches} == {f"{leg.name}_THIGH" for leg in ANYMAL.legs}
+    assert {touch.other for touch in touches} == {"the ground"}
+    assert not any(result.trunk_contact for result in results)
+    assert not results[0].touches
+
+
+def test_legs_that_cross_touch_each_other():
+    world = world_of()
+    q = ANYMAL.posture.copy()
+    q[2] += 1.0
+    q[ANYMAL.legs[0].q_index[0]] -= 0.7
+    q[ANYMAL.legs[1].q_index[0]] += 0.7
+    world.reset(q, np.zeros(18))
+    (touch, time), *_ = world.advance(np.zeros(JOINTS)).touches
+    assert {touch.link[:2], touch.other[:2]} == {"LF", "RF"}
+    assert not touch.trunk
+    assert time == 0.0
+
+
 @pytest.mark.parametrize(("near", "touches"), [(0.3, True), (0.6, False)])
 def test_a_foot_on_a_hurdle_is_told(near, touches):
     """The front feet stand 0.37 m ahead."""

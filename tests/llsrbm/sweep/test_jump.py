@@ -2,6 +2,8 @@ import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm import certificate
+from llsrbm.certificate import Certificate, Finding
 from llsrbm.installed import package_version
 from llsrbm.robots import load_robot
 from llsrbm.sweep import jump, rows
@@ -99,3 +101,30 @@ def test_drives_are_those_asked_for(spec):
     np.testing.assert_allclose(robot.speed_limit, 0.5 * own.speed_limit)
     assert jump._robot(Points(asked)[1]) is robot
     assert jump._robot(Points(spec)[0]) is own
+
+
+def test_plans_without_a_certificate_that_holds_are_rows_alone(monkeypatch):
+    demanding = parse_spec(SPEC.replace("patient", "certified = true\npatient", 1), "x")
+    seen = []
+
+    def certify(plan, robot):
+        seen.append(robot)
+        slip = Finding("slip", 0.02 * len(seen), 0.01, "m", "LF", 0.4, len(seen) > 1, 0.01)
+        return Certificate((slip,))
+
+    monkeypatch.setattr(certificate, "certify", certify)
+    points = Points(demanding)
+    refused = jump.rows_of(demanding, points[2])
+    assert [row["status"] for row in refused] == [rows.NOT_CERTIFIED] * 2
+    assert refused[0]["certified"] is False
+    assert refused[0]["uncertified"] == ["slip"]
+    assert "landed" not in refused[0]
+    assert not any(name.startswith("motion_") for name in refused[0])
+    kept = jump.rows_of(demanding, points[2])
+    assert [row["status"] for row in kept] == [rows.PLANNED] * 2
+    assert kept[0]["certified"] is True
+    assert "landed" in kept[0]
+    # As all columns, these are the table's; and where none is demanded they are null.
+    table = rows.table_of([*refused, *kept], rows.schema(demanding))
+    assert table["certified"].to_pylist() == [False, False, True, True]
+    assert all(robot.name == "anymal" for robot in seen)

@@ -7,11 +7,13 @@ clearance, turn) by Pinocchio. Adding a constraint is one class and its place in
 
 from __future__ import annotations
 
-from llsrbm.planning.problem.constraints.base import Constraint
+from llsrbm.planning.problem.constraints.base import AgreedConstraint, Constraint
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.problem.constraints.drives import DRIVES
 from llsrbm.planning.problem.constraints.edge import Edge
+from llsrbm.planning.problem.constraints.given_up import GivenUp
+from llsrbm.planning.problem.constraints.knees import KneeHeight, LegsApart
 from llsrbm.planning.problem.constraints.motion import (
     MOMENTUM_BALANCE,
     FinalPlace,
@@ -20,11 +22,12 @@ from llsrbm.planning.problem.constraints.motion import (
     UprightLanding,
 )
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
+from llsrbm.planning.problem.constraints.stops import JointStops
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
 from llsrbm.planning.problem.constraints.truth import TrueTurn
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
 
-__all__ = ["CONSTRAINTS", "Constraint"]
+__all__ = ["AGREED", "CONSTRAINTS", "Constraint"]
 
 CONSTRAINTS: tuple[Constraint, ...] = (
     MOMENTUM_BALANCE,
@@ -36,13 +39,20 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     Clearance(),
     Edge(),
     BodyClearance(),
+    KneeHeight(),
+    LegsApart(),
     FeetApart(),
     FootSpeed(),
     FootYaw(),
     FootTurn(),
+    JointStops(),
     *DRIVES,
     UprightLanding(),
     FinalState(),
     FinalPlace(),
+    GivenUp(),
     TrueTurn(),
 )
+
+AGREED = tuple(c for c in CONSTRAINTS if isinstance(c, AgreedConstraint))
+"""Those whose rows approximate what the check finds, and whose bounds are shifted accordingly."""

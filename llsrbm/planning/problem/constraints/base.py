@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel
 
+from llsrbm.errors import JointNeed
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
-from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.task import RowBounds, Task
 
 Array = NDArray[np.float64]
 
@@ -76,14 +77,9 @@ def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
 
 
 class JointDemand(NamedTuple):
-    """The largest demand on a joint that a plan may not make.
+    """The largest demand on a joint that a plan may not make, and the interval in which it is."""
 
-    Attributes:
-        words: joint, amount, where, and what the drive has, in one line.
-        interval: in which it is made.
-    """
-
-    words: str
+    demand: JointNeed
     interval: int
 
 
@@ -148,6 +144,21 @@ class Constraint(ABC):
     def demand(self, knots: Knots) -> JointDemand | None:
         """The largest demand on a joint beyond the limits; None if there is none."""
         return None
+
+    def leaning(self, knots: Knots, knot: int, value: float) -> JointNeed | None:
+        """The joint that leans on a limit of `value` most, at or after a knot; None: no joint."""
+        return None
+
+
+class AgreedConstraint(Constraint):
+    """Rows that are approximations of what the check finds in the whole body.
+
+    Where the check objects their bounds are shifted by what the two differ.
+    """
+
+    @abstractmethod
+    def agreed_bounds(self, knots: Knots) -> RowBounds:
+        """Bounds of the rows at which the check holds, if the two differ as in this motion."""
 
 
 def spread(knots: Knots, amounts: Array) -> Array:

@@ -87,7 +87,7 @@ class BodyClearance(Constraint):
             """The same of a foot at the interval's midpoint."""
             R, r = stage.R_world_base_mid, stage.position_mid
             x, z = (r[i] + ca.dot(R[i, :].T, point) for i in (0, 2))
-            return z - profile(x, edges, raised, room[2])
+            return z - model.foot_lift - profile(x, edges, raised, room[2])
 
         rows = [
             above(stage.offset + ca.vertcat(*point), heights, room[0]) - margin
@@ -100,7 +100,10 @@ class BodyClearance(Constraint):
                 rows.append(above(seen, heights, room[1]) - margin)
                 down = stage.foot_from_com(i) - seen
                 rows += [above(seen + share * down, raised, room[1]) for share in SHINS]
-        rows += [above(stage.foot_from_com(i), raised, room[2]) for i in stage.role.flying]
+        rows += [
+            above(stage.foot_from_com(i), raised, room[2]) - model.foot_lift
+            for i in stage.role.flying
+        ]
         place, _, offset, _ = stage.feet_mid
         rows += [
             above_between(model.foot_from_com(i, place[:, i], offset)) for i in stage.role.swinging

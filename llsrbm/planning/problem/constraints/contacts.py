@@ -31,8 +31,8 @@ class GivenContacts(Constraint):
 
     def rows(self, stage: Stage) -> Any:
         """(d n, 1) of n feet: p_i - p_i*, then the sines of what the headings miss."""
-        r, R, legs = stage.position, stage.R_world_base, stage.edge_legs
-        feet = [r + ca.mtimes(R, stage.foot_from_com(i)) for i in legs]
+        R, legs = stage.R_world_base, stage.edge_legs
+        feet = [stage.foot_place(i) for i in legs]
         places = [stage.standing_feet[:, i] for i in legs]
         misses = []
         if stage.layout.foot_coordinates > 3:

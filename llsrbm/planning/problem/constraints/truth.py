@@ -6,8 +6,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-import pinocchio as pin
 
+from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE
 from llsrbm.planning.problem.knots import Knots
@@ -61,27 +61,25 @@ def turn_error(knots: Knots, flight: slice) -> Array:
         knots: the plan.
         flight: its intervals, of `Knots.flights`.
     """
-    turn = np.zeros(3)
-    for k in range(flight.start, flight.stop):
-        momentum, inertia = whole_body(knots, k)
-        missing = knots.momentum_mean[k] - momentum
-        turn += np.linalg.solve(inertia, missing) * knots.dt[k]
+    momentum, inertia = whole_body(knots, flight)
+    missing = knots.momentum_mean[flight] - momentum
+    rate = np.linalg.solve(inertia, missing[..., None])[..., 0]
+    turn: Array = knots.dt[flight] @ rate
     return turn
 
 
-def whole_body(knots: Knots, interval: int) -> tuple[Array, Array]:
-    """Angular momentum (3,) kg m2/s and inertia (3, 3) kg m2 in the middle of an interval.
+def whole_body(knots: Knots, intervals: slice = slice(None)) -> tuple[Array, Array]:
+    """Angular momentum (K, 3) kg m2/s and inertia (K, 3, 3) kg m2 in the middle of intervals.
 
     By Pinocchio, about the CoM, in base axes.
     """
-    robot, loads = knots.task.robot, knots.loads
-    data = robot.model.createData()
-    # The base's place and attitude do not matter.
-    q = np.concatenate([np.zeros(6), [1.0], loads.joint_position[interval]])
-    rate = knots.rotation_rate[interval]
-    v = np.concatenate([np.zeros(3), rate, loads.joint_velocity[interval]])
-    pin.ccrba(robot.model, data, q, v)
-    return data.hg.angular.copy(), data.Ig.inertia.copy()
+    loads = knots.loads
+    return momentum_and_inertia(
+        knots.task.robot,
+        loads.joint_position[intervals],
+        loads.joint_velocity[intervals],
+        knots.rotation_rate[intervals],
+    )
 
 
 def correction(knots: Knots) -> Array:
@@ -91,5 +89,5 @@ def correction(knots: Knots) -> Array:
     modelled = knots.momentum_mean + MOMENTUM_BALANCE.measured(balance.values, task).reshape(-1, 3)
     if task.correction is not None:
         modelled = modelled - task.correction
-    true = np.array([whole_body(knots, k)[0] for k in range(len(modelled))])
+    true, _ = whole_body(knots)
     return true - modelled

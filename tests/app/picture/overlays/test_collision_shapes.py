@@ -7,6 +7,7 @@ import pytest
 from app.picture.overlays.bodies import shapes_of
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.scene import build_scene, joints_in_model_order
 from llsrbm.simulation.surroundings import Surroundings
 from tests.app.picture.overlays.drawn import DrawnOverlay
@@ -57,7 +58,9 @@ def test_they_are_what_mujoco_collides_with(robot):
 
 @pytest.mark.parametrize(("robot", "spheres"), [("anymal", 1), ("slider", 4)])
 def test_every_foot_has_its_spheres(robot, spheres):
-    feet = shapes_of(load_robot(robot))[1:]
-    assert len(feet) == len(load_robot(robot).legs)
-    for _, mesh in feet:
-        assert mesh.body_count == spheres
+    loaded = load_robot(robot)
+    shapes = dict(shapes_of(loaded))
+    for leg, contact in zip(loaded.legs, foot_contacts(loaded), strict=True):
+        parts = shapes[leg.joint_ids[-1] - 1].split()
+        balls = [p for p in parts if np.allclose(p.extents, 2 * contact.radius, rtol=0.02)]
+        assert len(balls) == spheres

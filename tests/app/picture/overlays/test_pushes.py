@@ -70,7 +70,7 @@ def test_pushes_that_are_gone_leave_nothing():
     scene.draw(pushed({"pushes"}, (PUSH, Push(0.2, (0.0, 5.0, 0.0)))))
     clip = scene.draw(pushed({"pushes"}, ()))
     assert not [name for name in names_in(clip) if name.startswith("/push")]
-    assert not [name for name in client.scene.seen() if "arrow/" in name]
+    assert not [name for name in client.scene.seen() if name.startswith("/push/past/")]
 
 
 def test_the_path_and_the_footholds_are_those_of_the_plan_that_is_followed():

@@ -3,10 +3,11 @@
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
 import pinocchio as pin
 
 import llsrbm
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
 
@@ -17,8 +18,8 @@ HEAVIER = 0.1  # share of the trunk's mass
 
 @cache
 def plan_of(robot):
-    """Half a turn."""
-    plan = llsrbm.plan(llsrbm.Jump(robot=robot, twist=np.pi))
+    """Nearly half a turn."""
+    plan = llsrbm.plan(llsrbm.Jump(robot=robot, twist=2.9))
     assert plan.solved
     return plan
 
@@ -33,7 +34,10 @@ def rollout():
 
 def sampled(trajectory, times):
     """Base, joints by name, and the trajectory itself at instants."""
-    at = resample(trajectory, times)
+    if isinstance(trajectory, Plan):
+        at = realised(trajectory, load_robot(trajectory.jump.robot), times)
+    else:
+        at = resample(trajectory, times)
     return at, dict(zip(at.joint_names, at.joint_position.T, strict=True))
 
 

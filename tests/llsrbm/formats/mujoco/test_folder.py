@@ -20,7 +20,7 @@ from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
 JUMPS = {
-    "anymal": llsrbm.Jump(robot="anymal", twist=np.pi),
+    "anymal": llsrbm.Jump(robot="anymal", twist=2.9),
     "slider": llsrbm.Jump(robot="slider", twist=1.57),
 }
 FEET = {"anymal": ("LF", "RF", "LH", "RH"), "slider": ("left", "right")}

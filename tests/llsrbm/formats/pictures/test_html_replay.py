@@ -156,7 +156,7 @@ def test_phases_and_events(motion, page):
     outcome = motion.rollout.outcome
     marks = {mark["name"]: mark["time"] for mark in page.facts["timeline"]["marks"]}
     assert marks["lift-off"] == pytest.approx(motion.plan.phase_start[1])
-    assert marks["touchdown planned"] == pytest.approx(motion.plan.phase_start[2])
+    assert marks["touchdown"] == pytest.approx(motion.plan.phase_start[2])
     assert marks["first contact"] == outcome.touchdown_true_s
     assert marks["detected"] == outcome.touchdown_detected_s
     assert page.facts["description"]["request"] == motion.plan.jump.as_dict()

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -24,7 +23,6 @@ from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.solve.guess import analytic_guess
-from llsrbm.planning.solve.nearest import _Reductions
 from llsrbm.planning.solve.planner import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
@@ -189,14 +187,3 @@ def test_soles_are_longer_than_points():
     assert heel > task.obstacle.far + 0.01 + RAMP
     with pytest.raises(InputError, match=r"would stand at 0.430 m, but the hurdle goes from"):
         make_task(replace(jump, forward=0.43), load_robot("slider"))
-
-
-def test_the_search_for_a_nearer_jump_skips_those_that_land_on_it():
-    tried = []
-    formulation = SimpleNamespace(robot=load_robot("anymal"))
-    scout = SimpleNamespace(formulation=formulation, solve=lambda task, near: tried.append(task))
-    search = _Reductions(scout, lambda jump: 0.0, None, None)
-    assert search.found(Jump(type="hurdle", forward=0.2)) is None
-    assert not tried
-    search.found(Jump(type="hurdle", forward=0.4))
-    assert len(tried) == 1

@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.planning.problem.constraints.drives import DRIVES, FAR_BEYOND, RESERVE
+from llsrbm.planning.problem.constraints.drive_rows import FAR_BEYOND, MIDDLE, RESERVE
+from llsrbm.planning.problem.constraints.drives import DRIVES
 from tests.llsrbm.planning.solved import (
     REQUESTS,
     TYPES,
@@ -31,6 +32,8 @@ def shares(rows):
 def rows_and_loads(which):
     """Shares (N - 1, J) of torque and {knot: (J,)} of speed by the rows; the same by Pinocchio.
 
+    And pairs of speeds (n,) at lift-off and touchdown, by the rows and by Pinocchio.
+
     Rows of swinging legs are torques as intervals begin, and as the last one ends; the means of
     both ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
     """
@@ -46,7 +49,7 @@ def rows_and_loads(which):
         joints[columns] = legs[: columns.size].reshape(columns.shape)
         return joints
 
-    torque, speed = [], {}
+    torque, speed, edges = [], {}, []
     legs, joints = columns.shape
     for k in range(1, layout.knots - 1):
         role = layout.roles[k]
@@ -60,15 +63,20 @@ def rows_and_loads(which):
             mean[leg] = (mean[leg] + after) / 2
         torque.append(of_joints(mean.ravel()))
         if "joint_speed" in rows[k]:
-            speed[k] = of_joints(shares(rows[k]["joint_speed"]))
+            found = shares(rows[k]["joint_speed"])
+            speed[k] = of_joints(found)
+            if role.beside_swing:
+                mine = columns[list(role.beside_swing)].ravel()
+                true = loads.edge_velocity[k, mine] / robot.speed_limit[mine]
+                edges.append((found[columns.size :], true))
     needed = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit
-    return np.array(torque), speed, needed[0][1:], needed[1]
+    return np.array(torque), speed, needed[0][1:], needed[1], edges
 
 
 @every_plan
 def test_torques_are_those_of_the_whole_body(which):
     """What the rows leave out (moving legs seen from the base, their changing inertia) is small."""
-    rows, _, loads, _ = rows_and_loads(which)
+    rows, _, loads, *_ = rows_and_loads(which)
     error = np.sqrt(np.mean((rows - loads) ** 2, axis=0))
     assert error.max() < 0.06
     # The torques themselves are not: they reach the limit's neighbourhood.
@@ -77,11 +85,15 @@ def test_torques_are_those_of_the_whole_body(which):
 
 @every_plan
 def test_speeds_are_those_of_the_postures(which):
-    _, rows, _, loads = rows_and_loads(which)
+    _, rows, _, loads, edges = rows_and_loads(which)
     error = np.array([found - loads[k] for k, found in rows.items()])
     # Fitted legs' rates are slopes of polynomials.
     assert np.sqrt(np.mean(error**2)) < (0.03 if which == BOX else 0.02)
     assert np.abs(loads[list(rows)]).max() > 0.2
+    # At lift-off and touchdown the rows have the mean angular velocity of the interval beside it.
+    rows, loads = np.hstack(edges)
+    assert np.sqrt(np.mean((rows - loads) ** 2)) < 0.04
+    assert np.abs(loads).max() > 0.3
 
 
 @pytest.mark.parametrize("constraint", DRIVES, ids=lambda c: c.name)
@@ -89,24 +101,24 @@ def test_shifted_bounds_are_where_the_whole_body_keeps_to_its_drives(constraint)
     """Rows at such a bound, with as much between them and the whole body as here."""
     s = solved("llsrbm-plus", "all")
     bounds = constraint.agreed_bounds(s.knots)
-    torque, speed, true_torque, true_speed = rows_and_loads(("llsrbm-plus", "all", "anymal"))
-    top = constraint.top(s.task)
-    assert (bounds.upper <= top).all()
-    assert (bounds.lower >= -top).all()
+    torque, speed, true_torque, true_speed, _ = rows_and_loads(("llsrbm-plus", "all", "anymal"))
+    tops = constraint.tops(s.task)
+    assert (bounds.upper <= tops[:, None]).all()
+    assert (bounds.lower >= -tops[:, None]).all()
     if constraint.name == "joint_torque":
-        upper, lower = (x[1:-1] for x in (bounds.upper, bounds.lower))
+        upper, lower = (x[1:-1, MIDDLE] for x in (bounds.upper, bounds.lower))
         edge, gap = 0.85 + 0.10, true_torque - torque
     elif constraint.name == "joint_speed":
         knots = list(speed)
-        upper, lower = bounds.upper[knots], bounds.lower[knots]
-        edge, gap = top + 0.03, true_speed[knots] - np.array(list(speed.values()))
+        upper, lower = bounds.upper[knots, MIDDLE], bounds.lower[knots, MIDDLE]
+        edge, gap = tops[MIDDLE] + 0.03, true_speed[knots] - np.array(list(speed.values()))
     else:
         return
     # Rows as intervals begin meet the larger of two gaps: their mean meets each.
     assert (upper + gap).max() < edge - RESERVE + 1e-9
     assert (lower + gap).min() > -edge + RESERVE - 1e-9
     again = constraint.agreed_bounds(
-        s.knots.under(replace(s.task, drive_bounds={constraint.name: bounds}))
+        s.knots.under(replace(s.task, agreed_bounds={constraint.name: bounds}))
     )
     np.testing.assert_array_equal(again.reserve, 0.0)  # nothing is exceeded
 
@@ -118,7 +130,7 @@ def test_a_bound_that_did_not_do_is_tightened():
     constraint = DRIVES[0]
     first = constraint.agreed_bounds(s.knots.under(task))
     second = constraint.agreed_bounds(
-        s.knots.under(replace(task, drive_bounds={constraint.name: first}))
+        s.knots.under(replace(task, agreed_bounds={constraint.name: first}))
     )
     exceeded = constraint.excess(s.knots.under(task)) > 0
     assert exceeded.any()

@@ -58,6 +58,15 @@ def foot_motion(data, q, v, a):
     return np.array(motion), np.array(jacobians)
 
 
+def pushed(data, q, force):
+    """Efforts of forces (4, 3) N at the lowest points of the feet's balls."""
+    pin.computeJointJacobians(PIN, data, q)
+    pin.updateFramePlacements(PIN, data)
+    moment = np.cross([0, 0, -ROBOT.foot_lift], force)
+    jacobians = [pin.getFrameJacobian(PIN, data, leg.foot_frame_id, AXES) for leg in ROBOT.legs]
+    return np.einsum("lij,li->j", jacobians, np.hstack([force, moment]))
+
+
 def instant(rng) -> Instant | None:
     """One, unless a foot is out of its reach."""
     data, still = PIN.createData(), np.zeros(PIN.nv)
@@ -105,7 +114,7 @@ def instant(rng) -> Instant | None:
     no_turn = np.zeros((3, PIN.nv))
     no_turn[:, 3:6] = np.eye(3)
     a = np.linalg.solve(np.vstack([*rows, no_turn]), np.concatenate([*rhs, np.zeros(3)]))
-    effort = pin.rnea(PIN, data, q, v, a) - np.einsum("lij,li->j", jacobians, force)
+    effort = pin.rnea(PIN, data, q, v, a) - pushed(data, q, force)
     np.testing.assert_allclose(effort[:3], 0.0, atol=1e-6)
 
     front = list(FRONT)
@@ -125,7 +134,7 @@ def instant(rng) -> Instant | None:
     }
     return Instant(
         told=told,
-        standing=feet,
+        standing=feet - [0, 0, ROBOT.foot_lift],
         torque=(effort[6:] / ROBOT.torque_limit)[ROBOT.leg_joint_index],
         joint_rate=v[6:][ROBOT.leg_joint_index],
     )

@@ -58,8 +58,9 @@ def test_a_lost_force_is_a_lost_acceleration(knots):
 def test_names_and_phases(knots):
     found = violations(knots)
     dynamics = ["position", "velocity", "attitude", "momentum"]
-    # There is nothing in the way that the body would have to clear.
-    constraints = [c.name for c in CONSTRAINTS if c.name != "body_clearance"]
+    # There is nothing in the way that the body would have to clear, and nothing is given up.
+    unchecked = ("body_clearance", "given_up")
+    constraints = [c.name for c in CONSTRAINTS if c.name not in unchecked]
     assert list(found) == [*(f"dynamics_{d}" for d in dynamics), *constraints]
     for violation in found.values():
         assert violation.phase in ("take-off", "flight", "landing")
@@ -108,9 +109,10 @@ def test_nothing_violated_and_yet_no_optimum():
         ("reach_max", 0.45, lambda k: np.linalg.norm(k.feet_in_hip[1:-1], axis=-1).max()),
         ("flight_min", 0.5, lambda k: k.durations[1]),
         ("friction", 0.1, lambda k: np.nanmax(sideways(k.force)) * np.sqrt(2)),
-        # Of the check, 10 and 3 % beyond the share are allowed.
+        # Of the check, 10 % beyond the share are allowed; at the fastest instants, lift-off and
+        # touchdown, 1/9 of the share more, and 1 %.
         ("torque_share", 0.4, lambda k: np.abs(k.loads.joint_torque / 40.0).max() - 0.10),
-        ("speed_share", 0.3, lambda k: np.abs(k.loads.joint_velocity / 15.0).max() - 0.03),
+        ("speed_share", 0.3, lambda k: 0.9 * (np.abs(k.loads.knot_velocity / 15.0).max() - 0.01)),
     ],
 )
 def test_stops_name_the_limit_and_what_it_would_have_to_be(knots, limit, tighter, measured):

@@ -19,7 +19,7 @@ from llsrbm.planning.solve.guess_table import (
     table_path,
     write_table,
 )
-from llsrbm.planning.solve.planner import FOLLOWED, NEARBY, planner_of
+from llsrbm.planning.solve.planner import BY_NEARER, FOLLOWED, NEARBY, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
@@ -27,7 +27,7 @@ from llsrbm.robots.drives import with_drives
 
 COLD = "from the analytic guess"
 UNSEEN = {
-    "anymal": [{"twist": 2.0}, {"twist": -1.1, "forward": 0.25, "lateral": -0.1, "height": 0.1}],
+    "anymal": [{"twist": 1.3}, {"twist": -1.1, "forward": 0.25, "lateral": -0.1, "height": 0.1}],
     "go2": [{"forward": 0.33}],
     "slider": [{"forward": 0.15}],
 }
@@ -234,7 +234,7 @@ def test_other_limits_and_weights_begin_elsewhere():
 
 
 def test_where_it_leads_nowhere_nothing_is_lost(monkeypatch):
-    """The usual attempts follow, and come to what they come to without."""
+    """The elastic problem follows, in which all of it is found."""
 
     def far(self, task):
         sizes = planner().formulation.solver.sizes
@@ -243,6 +243,6 @@ def test_where_it_leads_nowhere_nothing_is_lost(monkeypatch):
     monkeypatch.setattr(Guesses, "start", far)
     jump, said = Jump(forward=0.2), []
     plan = llsrbm.plan(jump, progress=said.append)
-    assert (plan.report.guess, plan.report.attempts) == (COLD, 2)
+    assert (plan.report.guess, plan.report.attempts) == (BY_NEARER, 2)
     assert said[0].text == f"attempt 1: {NEARBY}"
-    np.testing.assert_array_equal(plan.com, llsrbm.plan(jump, guesses=False).com)
+    np.testing.assert_allclose(plan.com, llsrbm.plan(jump, guesses=False).com, atol=5e-3)

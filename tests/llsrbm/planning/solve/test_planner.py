@@ -8,15 +8,16 @@ import pytest
 import llsrbm
 from llsrbm import models
 from llsrbm.errors import Cancelled, InputError, NotConverged
+from llsrbm.motion.plan import Refinement
+from llsrbm.motion.sampling import resample
 from llsrbm.ocp import progress, solvers
+from llsrbm.planning.problem.constraints import AGREED
 from llsrbm.planning.problem.constraints.drives import (
-    DRIVES,
     SPEED_ALLOWANCE,
     TORQUE_ALLOWANCE,
 )
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve import explanation, formulation
-from llsrbm.planning.solve.formulation import PATIENT_FLIGHT
+from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
 from llsrbm.request.jump import Jump
@@ -145,7 +146,7 @@ def test_the_papers_model_draws_the_feet_in_and_turns_faster():
         return np.abs(plan.angular_velocity[:, 2]).max()
 
     rigid, lumped = (solved(model, "twist").plan for model in ("srbm", "llsrbm"))
-    assert radius(lumped) < radius(rigid) - 0.02
+    assert radius(lumped) < radius(rigid) - 0.015
     assert yaw_rate(lumped) > 1.05 * yaw_rate(rigid)
     flying = lumped.phase == 1
     Izz = lumped.inertia[flying, 2, 2]
@@ -178,6 +179,20 @@ def test_a_plan_from_a_file_can_be_started_from(planner, tmp_path):
     assert there.report.attempts == 1
     assert there.report.iterations == here.report.iterations
     np.testing.assert_array_equal(there.com, here.com)
+
+
+def test_a_refined_plan_can_be_started_from_whatever_its_knots(planner):
+    """It has more of them where a phase has an odd number of intervals; its solution has not."""
+    near = solved("srbm", "forward").plan
+    jump = replace(near.jump, twist=near.jump.twist + 0.05)
+    second = Refinement("solved", *[0] * 5)
+    other = resample(near, np.linspace(0.0, near.duration, len(near.time) + 2))
+    other = replace(other, solution=near.solution, refinement=second)
+    np.testing.assert_array_equal(
+        planner.plan(jump, near=other).com, planner.plan(jump, near=near).com
+    )
+    with pytest.raises(InputError, match="cannot be started from"):
+        planner.plan(jump, near=replace(other, refinement=None))
 
 
 def test_what_cannot_be_started_from(planner):
@@ -237,65 +252,59 @@ def made_reluctant(planner, failures):
     return solver
 
 
-LABELS = ["from the analytic guess", "from a longer flight", "by way of easier jumps"]
-
-
-@pytest.mark.parametrize(("failures", "attempts", "solves"), [(0, 1, 1), (1, 2, 2), (2, 3, 5)])
-def test_further_attempts_when_one_fails(planner, failures, attempts, solves):
-    solver = made_reluctant(planner, failures)
+def test_an_attempt_is_told(planner):
+    solver = made_reluctant(planner, 0)
     said = []
     plan = planner.plan(Jump(model="srbm", forward=0.3), progress=said.append)
     assert plan.solved
-    assert plan.report.attempts == attempts
-    assert len(solver.calls) == solves
+    assert plan.report.attempts == len(solver.calls) == 1
     assert [news.text for news in said if news.iteration is None] == [
-        f"attempt {k + 1}: {what}" for k, what in enumerate(LABELS[:attempts])
+        "attempt 1: from the analytic guess"
     ]
     assert plan.report.solve_time_s == pytest.approx(sum(solver.seconds), rel=0.05)
     assert plan.report.cost == pytest.approx(solved("srbm", "forward").plan.report.cost, rel=5e-3)
-    if failures:
-        first_in_flight = planner.layout.variables(int(planner.layout.first_knots[1]))
-        guess = solver.calls[1]
-        assert guess[first_in_flight["duration"]] == PATIENT_FLIGHT
 
 
-def test_what_cannot_be_says_what_is_violated(planner, monkeypatch):
-    """When there is no time to find the limit that stops it."""
-    monkeypatch.setattr(explanation, "EXPLANATION_TIME", -1.0)
+def test_what_cannot_be_says_what_is_violated(planner):
+    """Where no nearer jump is looked for."""
     made_reluctant(planner, 99)
     with pytest.raises(NotConverged) as caught:
-        planner.plan(Jump(model="srbm", forward=0.3))
+        planner.plan(Jump(model="srbm", forward=0.3), patient=False)
     message, plan = str(caught.value), caught.value.plan
     assert "\n" not in message
     assert message.startswith(
-        "no plan found in 3 attempts (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm); "
+        "no plan found in 1 attempts (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm): "
     )
     _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
     assert v.amount > TOLERANCE
     assert not plan.solved
     assert plan.report.status == "not-converged"
-    assert plan.report.attempts == 3
+    assert plan.report.attempts == 1
+    assert caught.value.nearest is None
+    assert caught.value.reason == " and ".join(map(str, caught.value.stops[:2]))
     assert plan.com.shape == (INTERVALS + 1, 3)
     with pytest.raises(InputError, match="no solution yet"):
         planner.last_knots()
 
 
 def test_where_the_whole_body_alone_objects_the_rows_of_the_drives_follow_it(monkeypatch):
-    jump = Jump(twist=np.radians(-111.8), forward=0.305, lateral=-0.295, height=0.215)
+    jump = Jump(twist=-2.2, forward=0.264, lateral=0.265, height=0.008)
     planner, robot = planner_of(jump), load_robot("anymal")
     plan = planner.plan(jump, patient=False)
     assert plan.report.attempts == 1
     task, loads = planner.last.task, planner.last_knots().loads
-    assert {c.name for c in DRIVES} == set(task.drive_bounds)
+    assert {c.name for c in AGREED} == set(task.agreed_bounds)
     share, limit = robot.file.limits.torque_share, robot.torque_limit
     assert (np.abs(loads.joint_torque) <= (share + TORQUE_ALLOWANCE) * limit + TOLERANCE).all()
     top = robot.file.limits.speed_share + SPEED_ALLOWANCE
     assert (np.abs(loads.joint_velocity) <= top * robot.speed_limit + TOLERANCE).all()
-    monkeypatch.setattr(formulation, "SHIFTS", 0)
+    # Joints are fastest at lift-off and touchdown.
+    assert (np.abs(plan.joint_velocity) <= 1.01 * robot.speed_limit + TOLERANCE).all()
+    monkeypatch.setattr(Formulation, "shifts", 0)
     with pytest.raises(NotConverged) as caught:
         planner.plan(jump, patient=False)
     broken = {name for name, v in caught.value.plan.violations.items() if v.amount > TOLERANCE}
-    assert broken <= set(task.drive_bounds)
+    assert broken <= set(task.agreed_bounds)
 
 
 def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):

@@ -5,7 +5,6 @@ import subprocess
 import sys
 import time
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +15,7 @@ from llsrbm.ocp import solvers
 from llsrbm.planning.problem.horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
 from llsrbm.planning.solve.planner import layout_of
-from llsrbm.planning.solve.solver_cache import cached_solver
+from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
@@ -70,17 +69,16 @@ def test_the_first_use_does_not_wait_for_a_compiler_and_later_ones_take_its_work
     monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
     monkeypatch.setenv("LLSRBM_COMPILE", "1")
     built = []
-    monkeypatch.setattr(solver_cache, "make_horizon", lambda *_: built.append(1) or horizon())
-    model = SimpleNamespace(name="cart", numbers=dict)
-    robot = SimpleNamespace(name="cart", parameters=dict)
-    layout, fatrop = SimpleNamespace(name="cart"), solvers.by_name("fatrop")
+    cart = Subject("cart", "cart", "solver of carts", "", lambda: built.append(1) or horizon())
+    fatrop = solvers.by_name("fatrop")
 
     def compiled(solver):
         return solver.function("nlp_g").is_a("External", True)
 
     guess = np.zeros(3 * INTERVALS + 2)
-    first = cached_solver(fatrop, model, layout, robot)
+    first = cached_solver(fatrop, cart)
     assert not compiled(first)
+    assert is_compiling(first)
     plain = first.solve(problem(0.8), guess)
     directory = next(tmp_path.glob("solver-cart-*"))
     deadline = time.monotonic() + 60
@@ -88,12 +86,13 @@ def test_the_first_use_does_not_wait_for_a_compiler_and_later_ones_take_its_work
         time.sleep(0.02)
     fast = first.solve(problem(0.8), guess)
     assert compiled(first)
+    assert not is_compiling(first)
     np.testing.assert_allclose(fast.variables, plain.variables, atol=1e-8)
     for entry in directory.glob("*.z"):
         entry.unlink()  # neither is needed any more
     before = len(built)
-    assert compiled(cached_solver(fatrop, model, layout, robot))
+    assert compiled(cached_solver(fatrop, cart))
     assert len(built) == before
-    assert not compiled(cached_solver(solvers.by_name("ipopt"), model, layout, robot))
+    assert not compiled(cached_solver(solvers.by_name("ipopt"), cart))
     monkeypatch.setenv("LLSRBM_COMPILE", "0")
-    assert not compiled(cached_solver(fatrop, model, layout, robot))
+    assert not compiled(cached_solver(fatrop, cart))

@@ -108,12 +108,6 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
 # ---- the page
 
 
-@on(PageReady)
-def meet_page(state: TabState, page: PageReady) -> TabState:
-    """The page's scripts run."""
-    return replace(state, page=True, fine=not page.software)
-
-
 @on(PlayerMoved)
 def follow_player(state: TabState, event: PlayerMoved) -> TabState:
     """The motion plays, or stands, at another instant."""

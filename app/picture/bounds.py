@@ -1,0 +1,96 @@
+"""How much room a robot takes: boxes around its bodies, and what two motions of it are apart."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from app.motion.frames import Frames
+from llsrbm.look.collision_visuals import visuals_at_once
+from llsrbm.look.visuals import forward_kinematics
+from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.robots import Robot
+
+_DIRECTIONS = 64  # in which the outermost points are looked for
+
+
+@lru_cache(maxsize=8)
+def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
+    """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
+    corners = []
+    visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
+    for visual in visuals:
+        low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
+        corners.append(
+            [
+                [x, y, z]
+                for x in _ends(low, high, 0)
+                for y in _ends(low, high, 1)
+                for z in _ends(low, high, 2)
+            ]
+        )
+    return tuple(visual.joint_id - 1 for visual in visuals), np.reshape(corners, (-1, 8, 3))
+
+
+def around(robot: Robot, position: Array, wxyz: Array) -> Array:
+    """Corners (F, C, 8, 3) m of boxes around the bodies of a robot in all of its poses.
+
+    Those are of all bodies, (F, B, 3) m and (F, B, 4). Without meshes their origins count.
+    """
+    bodies, corners = extents(robot)
+    if not bodies:
+        return np.repeat(position[:, :, None], 8, axis=2)
+    turn = rotation_matrices(wxyz[:, bodies])
+    moved: Array = position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
+    return moved
+
+
+def around_default(robot: Robot) -> Array:
+    """The same of a robot in its default posture, (1, C, 8, 3) m."""
+    position, wxyz = default_pose(robot)
+    return around(robot, position[None], wxyz[None])
+
+
+def outermost(points: Array) -> Array:
+    """The farthest of points (..., 3) in `_DIRECTIONS` directions: about their convex hull."""
+    flat = points.reshape(-1, 3)
+    # On a spiral around the sphere, which spaces them evenly.
+    k = np.arange(_DIRECTIONS)
+    z, turn = 1 - (2 * k + 1) / _DIRECTIONS, k * np.pi * (3 - np.sqrt(5))
+    radius = np.sqrt(1 - z * z)
+    along = np.stack([radius * np.cos(turn), radius * np.sin(turn), z])
+    return flat[np.unique(np.argmax(flat @ along, axis=0))]
+
+
+@lru_cache(maxsize=16)
+def default_pose(robot: Robot) -> tuple[Array, Array]:
+    """Of every body in the default posture, (B, 3) m and (B, 4)."""
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    return position[0], wxyz[0]
+
+
+def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
+    return float(low[axis]), float(high[axis])
+
+
+def apart(robot: Robot, one: Frames, other: Frames, time: Array) -> Array:
+    """Distance (F, B) m of every body in two motions at `time` (F,) s, of its farthest corner.
+
+    Before and after a motion, its first and its last instant hold.
+    """
+    index = np.searchsorted(one.time, time).clip(0, len(one.time) - 1)
+    bodies, _ = extents(robot)
+    columns = list(bodies) or list(range(one.body_position.shape[1]))
+    here = around(robot, one.body_position, one.body_wxyz)[index]
+    there = around(robot, other.body_position, other.body_wxyz)
+    after = np.searchsorted(other.time, time).clip(1, max(1, len(other.time) - 1))
+    if len(other.time) > 1:
+        step = other.time[after] - other.time[after - 1]
+        share = ((time - other.time[after - 1]) / step).clip(0.0, 1.0)[:, None, None, None]
+        there = there[after - 1] + share * (there[after] - there[after - 1])
+    distance = np.zeros((len(time), one.body_position.shape[1]))
+    distance[:, columns] = np.linalg.norm(here - there, axis=-1).max(axis=-1)
+    return distance

@@ -1,0 +1,61 @@
+// Chips over the picture, at its top right: the design that is shown and what is pinned beside it, by
+// colour and name. A click makes a pin's design the present one, its cross lets go of it; another
+// button has the pinned robots stand beside the one that is shown, under the same camera.
+(() => {
+  const { page, element, addToPage } = window.llsrbm;
+  const FOLLOW_EVERY = 250; // ms
+
+  const STYLE = `
+    #llsrbm-pins { position: fixed; z-index: 4; display: none; flex-wrap: wrap; gap: 4px;
+      justify-content: flex-end; font: 12px system-ui, sans-serif; }
+    #llsrbm-pins > * { display: flex; align-items: center; gap: 5px; min-height: 26px;
+      padding: 0 8px; border-radius: 13px; color: var(--mantine-color-text);
+      background: var(--mantine-color-body); border: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-pins button { font: inherit; color: inherit; cursor: pointer; }
+    #llsrbm-pins span button { padding: 0 2px; min-height: 24px; background: none; border: 0; }
+    #llsrbm-pins > [aria-pressed=true] { background: var(--mantine-primary-color-light); }
+    #llsrbm-pins i { width: 10px; height: 10px; border-radius: 3px; flex: none; }
+    #llsrbm-pins .name { max-width: 15em; overflow: hidden; text-overflow: ellipsis;
+      white-space: nowrap; }`;
+
+  const bar = element("div", { id: "llsrbm-pins", role: "group", "aria-label": "Pinned designs" });
+
+  const press = (act, index) => page.send({ kind: "pin", act, index });
+
+  function chip({ title, colour }, index) {
+    const swatch = element("i");
+    swatch.style.background = colour;
+    if (index < 0) return element("span", {}, swatch, element("span", { class: "name" }, title));
+    return element("span", {}, swatch,
+      element("button", { type: "button", class: "name", title: `Use this design: ${title}`,
+        "aria-label": `Use ${title}`, onclick: () => press("use", index) }, title),
+      element("button", { type: "button", title: "Unpin", "aria-label": `Unpin ${title}`,
+        onclick: () => press("unpin", index) }, "✕"));
+  }
+
+  function stay() {
+    const canvas = window.__viserMutable?.canvas;
+    if (!canvas || !bar.children.length) return;
+    const box = canvas.getBoundingClientRect();
+    const below = document.querySelector("#llsrbm-remark")?.textContent ? 46 : 10; // of a remark
+    Object.assign(bar.style, { display: "flex", top: `${box.top + below}px`,
+      right: `${window.innerWidth - box.right + 10}px`, maxWidth: `${0.55 * box.width}px` });
+  }
+
+  addToPage(STYLE, bar);
+  setInterval(stay, FOLLOW_EVERY);
+
+  window.llsrbm.pins = {
+    // Names and colours, the first that of the design that is shown; whether they stand side by side.
+    show(chips, beside) {
+      bar.style.display = "none";
+      bar.replaceChildren(...(chips.length < 2 ? [] : [
+        ...chips.map((each, i) => chip(each, i - 1)),
+        element("button", { type: "button", "aria-pressed": beside,
+          title: "The pinned robots beside the one that is shown, under the same camera",
+          onclick: () => page.send({ kind: "beside", on: !beside }) }, "Side by side"),
+      ]));
+      stay();
+    },
+  };
+})();

@@ -1,0 +1,107 @@
+"""The part of each slider that can be planned, with the other values as they are.
+
+A robot's classifier ships (`llsrbm.atlas.feasible`); what this tab has planned, and what was
+refused, corrects it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from app.link import PageLink
+from app.panel.jump_controls import TINTED
+from app.tab.state import TabState
+from app.workers.protocol import PlanJump, Planned, Refused, Report, Task
+from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, why_unknown
+from llsrbm.motion.plan import Plan
+from llsrbm.request.jump import Jump
+from llsrbm.request.numbers import short
+
+
+def learn(state: TabState, report: Report, task: Task) -> TabState:
+    """The state with what the outcome of a plan says of the requests around it."""
+    robot = state.robot
+    if robot is None or not isinstance(task, PlanJump) or task.jump.robot != robot.name:
+        return state
+    found = state.feasible.get(robot.name) or feasible_of(robot)
+    if found is None:
+        return state
+    outcomes: dict[Jump, bool] = {}
+    match report:
+        case Planned(plan=plan):
+            outcomes = {plan.jump: plan.solved}
+        case Refused(nearest=Plan() as plan):
+            outcomes = {task.jump: False, plan.jump: plan.solved}
+        case Refused() if task.patient:
+            outcomes = {task.jump: False}
+    for jump, planned in outcomes.items():
+        found = learned(found, jump, task.tuning.limits, robot, planned=planned)
+    return replace(state, feasible={**state.feasible, robot.name: found})
+
+
+class Tint:
+    """One tab's tracks of sliders; for the session's thread. It knows what was drawn last."""
+
+    def __init__(self, link: PageLink, sliders: Mapping[str, str]) -> None:
+        """`sliders`: field of a request -> the uuid of its slider."""
+        self._link, self._sliders = link, sliders
+        self._made_of: tuple[Any, ...] = ()
+
+    def draw(self, state: TabState) -> None:
+        """Tint the tracks anew, if they are of another request."""
+        if not state.ready or state.robot is None:
+            return
+        design = state.design
+        made_of = (
+            design.jump,
+            design.tuning.limits,
+            state.robot,
+            state.feasible.get(state.robot.name),
+        )
+        if made_of == self._made_of:
+            return
+        self._made_of = made_of
+        jump, limits, robot, feasible = made_of
+        found, why = tracks(jump, limits, robot, feasible), why_unknown(jump, limits, robot)
+        self._link.tint(
+            {
+                uuid: {
+                    "chances": chances(found[name]) if name in found else [],
+                    "text": in_words(name, jump, found[name]) if name in found else unknown(why),
+                }
+                for name, uuid in self._sliders.items()
+            }
+        )
+
+
+def chances(track: Track) -> list[int]:
+    """In per cent."""
+    found: list[int] = (
+        np.round(100 / (1 + np.exp(-track.scores.clip(-30, 30)))).astype(int).tolist()
+    )
+    return found
+
+
+def unknown(why: str) -> str:
+    """The sentence on a slider without a tint."""
+    return f"Which values can be planned is not known {why}"
+
+
+def in_words(name: str, jump: Jump, track: Track) -> str:
+    """The sentence on a slider, in its units."""
+    field = TINTED[name]
+    ends = track.values[0], track.values[-1]
+    if track.intervals == (ends,):
+        return "Can be planned over the whole slider, with the other values as they are"
+
+    def shown(end: Any) -> str:
+        return short(field.shown(replace(jump, **{name: end})))
+
+    parts = [f"{shown(low)} to {shown(high)}" for low, high in track.intervals]
+    if not parts:
+        return "Can be planned nowhere along this slider, with the other values as they are"
+    return f"Can be planned from {' and from '.join(parts)}, with the other values as they are"

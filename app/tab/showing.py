@@ -1,0 +1,68 @@
+"""The plan that a tab shows, and the simulation that followed it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.motion.baked import bake_plan, bake_rollout
+from app.panel import summaries
+from app.panel.file_controls import SIMULATION
+from app.tab.state import Shown, TabState
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.robots import Robot
+from llsrbm.simulation.surroundings import surroundings
+
+
+def show_plan(
+    state: TabState,
+    plan: Plan,
+    robot: Robot,
+    source: str = "",
+    wanted: Jump | None = None,
+    *,
+    reason: str = "",
+    centroidal: Plan | None = None,
+) -> TabState:
+    """The state that shows a plan, see `Shown`; simulations of another plan go."""
+    blocks = surroundings(robot, plan, Scenario()).blocks
+    shown = Shown(
+        bake_plan(plan, robot),
+        blocks=blocks,
+        source=source,
+        wanted=wanted,
+        reason=reason,
+        centroidal=centroidal,
+    )
+    return replace(state, shown=shown, seeds=None)
+
+
+def show_rollout(
+    state: TabState, rollout: Rollout, scenario: Scenario, source: str = ""
+) -> TabState:
+    """The state that shows a simulation of the shown plan, for which `scenario` was requested."""
+    shown, robot = state.shown, state.robot
+    if shown is None or robot is None:
+        return state
+    if shown.simulated is None:  # there is a choice again, and this is the first of it
+        state = replace(state, export=replace(state.export, of=SIMULATION))
+    around = surroundings(robot, shown.plan, rollout.scenario)
+    simulated = bake_rollout(rollout)
+    shown = replace(
+        shown, simulated=simulated, scenario=scenario, so_far=None, blocks=around.blocks
+    )
+    status = summaries.simulated_status(rollout, source)
+    if around.in_mid_flight:
+        rest = f"{status.rest.removesuffix('.')}. {around.in_mid_flight}".removeprefix(". ")
+        status = replace(status, rest=rest)
+    return replace(state, shown=shown, status=status)
+
+
+def without_so_far(state: TabState) -> TabState:
+    """Without the beginning of a simulation that has no end."""
+    shown = state.shown
+    if shown is None or shown.so_far is None:
+        return state
+    return replace(state, shown=replace(shown, so_far=None))

@@ -1,0 +1,40 @@
+"""Builds solvers that will be wanted next, beside all else (`-m app.workers.spare_solvers JUMP`).
+
+Those of nearer jumps, for as soon as a request is not feasible, and those that plan anew in flight.
+They take half a minute each, once on a machine.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+
+from llsrbm.request.jump import Jump
+
+LEAST_PRIORITY = 19
+
+
+def build(jump: Jump) -> None:
+    """Begin to build those of a jump's robot, model and type, in a process of its own."""
+    command = [sys.executable, "-m", __name__, json.dumps(jump.as_dict())]
+    subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+
+
+def main(text: str) -> None:
+    """Build them; `text`: the jump as JSON."""
+    from llsrbm.planning.solve.planner import planner_of
+    from llsrbm.request.scenario import Scenario
+    from llsrbm.simulation.replanning import Replanning
+
+    os.nice(LEAST_PRIORITY)
+    jump = Jump(**json.loads(text))
+    planner = planner_of(jump)
+    planner.prepare_nearest(jump)
+    plan = planner.plan(jump, guesses=True)
+    Replanning(plan, planner.robot, 1 / planner.robot.file.control.rate, Scenario().replan_latency)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])

@@ -1,0 +1,119 @@
+"""Time and truth of answers: requests planned, or refused with the nearest jump and one reason.
+
+    python -m benchmarks.answers --robots anymal,go2 --requests 200 --seed 950
+
+Requests are uniform over the robot file's [task], one after another on an otherwise idle machine.
+Times are from request to answer, as multiples of the median of plain cold plans in the same run.
+Of refusals the first-named limit is checked: with it alone at the loose end of its range the
+request has to be planned. `--limit NAME=VALUE` tightens limits, for more refusals; `--out` keeps a
+line a request.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import typer
+
+import llsrbm
+from llsrbm.planning.problem.placement import limits_of, make_task
+from llsrbm.planning.solve.nearest import distance
+from llsrbm.planning.solve.planner import Planner, planner_for
+from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.robots import load_robot
+
+
+def requests(robot: str, count: int, seed: int) -> list[Jump]:
+    """Uniform over the range, the same for the same seed."""
+    task, rng = load_robot(robot).file.task, np.random.default_rng(seed)
+    return [
+        Jump(robot=robot, **{c: float(rng.uniform(*getattr(task, c))) for c in COMPONENTS})
+        for _ in range(count)
+    ]
+
+
+def answer(planner: Planner, jump: Jump, limits: dict[str, float]) -> dict[str, Any]:
+    """One request's answer."""
+    row: dict[str, Any] = {"request": jump.as_dict(), "limits": limits}
+    start = time.perf_counter()
+    try:
+        planner.plan(jump, limits=limits)
+    except llsrbm.NotConverged as error:
+        row |= {"seconds": time.perf_counter() - start, "reason": error.reason}
+        if error.nearest is not None:
+            task = make_task(jump, planner.robot, None, limits)
+            row["nearest"] = error.nearest.jump.as_dict()
+            row["distance"] = distance(task, error.nearest.jump)
+            row["first"] = error.stops[0].limit if error.stops else None
+            row["right"] = _alone(planner, jump, limits, row["first"])
+        return row
+    row |= {"seconds": time.perf_counter() - start}
+    assert planner.last is not None
+    return row | {"how": planner.last.label}
+
+
+def _alone(planner: Planner, jump: Jump, limits: dict[str, float], name: str | None) -> bool:
+    """Whether the request can be planned with that limit alone at the loose end of its range."""
+    if name is None:
+        return False
+    limit, _ = limits_of(planner.robot)[name]
+    try:
+        loose = limits | {name: limit.lowest if limit.lower_bound else limit.highest}
+        return planner.plan(jump, limits=loose, explains=False).solved
+    except llsrbm.NotConverged:
+        return False
+
+
+def main(
+    robots: Annotated[str, typer.Option(help="Names with commas.")] = "anymal,go2,slider",
+    requests_each: Annotated[int, typer.Option("--requests")] = 200,
+    seed: int = 950,
+    limit: Annotated[list[str], typer.Option(help="NAME=VALUE")] = [],  # noqa: B006
+    out: Path | None = None,
+) -> None:
+    """Answer all requests, and print a line a robot."""
+    limits = {name: float(value) for name, value in (text.split("=") for text in limit)}
+    rows: list[dict[str, Any]] = []
+    for name in robots.split(","):
+        planner = planner_for(name, Jump().model)
+        planner.formulation.solver.settle()
+        planner.prepare_nearest(Jump(robot=name), settle=True)
+        found = [answer(planner, jump, limits) for jump in requests(name, requests_each, seed)]
+        print(summary(name, found), flush=True)
+        rows += found
+    if out is not None:
+        out.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+
+
+def summary(name: str, rows: list[dict[str, Any]]) -> str:
+    """One line."""
+    plain = [row["seconds"] for row in rows if row.get("how") == "from the analytic guess"]
+    times = np.array([row["seconds"] for row in rows])
+    multiples = times / np.median(plain)
+    refused = [row for row in rows if "how" not in row]
+    near = [row for row in refused if "nearest" in row]
+    right = sum(row["right"] for row in near)
+    figures = ", ".join(
+        f"{label} {value:.1f}"
+        for label, value in (
+            ("median", np.median(multiples)),
+            ("p95", np.quantile(multiples, 0.95)),
+            ("worst", multiples.max()),
+        )
+    )
+    distances = [row["distance"] for row in near] or [0.0]
+    return (
+        f"{name}: {len(rows) - len(refused)} of {len(rows)} planned, "
+        f"{sum('nearer' in row.get('how', '') for row in rows)} of them by nearer jumps; "
+        f"{len(near)} of {len(refused)} refusals with a nearest, {np.median(distances):.3f} of the "
+        f"ranges away (largest {max(distances):.3f}), {right} of {len(near)} first limits right; "
+        f"times cold {1e3 * np.median(plain):.0f} ms; {figures} x, worst {times.max():.2f} s"
+    )
+
+
+if __name__ == "__main__":
+    typer.run(main)

@@ -1,0 +1,36 @@
+"""Inverse dynamics of the whole body under contact forces, by Pinocchio."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
+    """Force and moment on the base's origin (base axes) and joint torques, (K, 6 + J) N, Nm.
+
+    The first six are zero where the motion is possible.
+
+    Args:
+        robot: that moves.
+        q, v, a: (K, nq), (K, nv), (K, nv) of the whole robot, Pinocchio's convention.
+        force: (K, C, 3) N at the contact points of the feet, world axes.
+    """
+    model, data = robot.model, robot.model.createData()
+    found = np.empty((len(q), model.nv))
+    pushes = force.reshape(len(q), len(robot.legs), -1, 3)
+    for k in range(len(q)):
+        found[k] = pin.rnea(model, data, q[k], v[k], a[k])
+        pin.computeJointJacobians(model, data, q[k])
+        pin.updateFramePlacements(model, data)
+        for leg, push in zip(robot.legs, pushes[k], strict=True):
+            frame, axes = leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED
+            jacobian = pin.getFrameJacobian(model, data, frame, axes)
+            arms = robot.corners @ data.oMf[frame].rotation.T - [0.0, 0.0, robot.foot_lift]
+            found[k] -= jacobian.T @ np.append(push.sum(axis=0), np.cross(arms, push).sum(axis=0))
+    return found

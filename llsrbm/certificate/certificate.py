@@ -1,0 +1,95 @@
+"""The certificate: all findings of a motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from llsrbm.certificate.contacts import ContactForce, Friction, Slip
+from llsrbm.certificate.distances import Clearance, SelfDistance
+from llsrbm.certificate.dynamics import Dynamics
+from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.joints import JointPosition, JointSpeed, JointTorque, TorqueAtSpeed
+from llsrbm.certificate.sampled_motion import Motion, SampledMotion
+from llsrbm.errors import InputError, RobotFileError
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.request.messages import look_up
+from llsrbm.robots.robot import Robot
+
+_Own = TypeVar("_Own", bound=Plan | Rollout)
+
+CHECKS: tuple[Check, ...] = (
+    *(JointPosition(), JointSpeed(), JointTorque(), TorqueAtSpeed()),
+    *(Friction(), ContactForce(), Slip()),
+    *(SelfDistance(), Clearance()),
+    Dynamics(),
+)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """Findings of all checks, in the order of `CHECKS`; `certificate["friction"]` is one."""
+
+    findings: tuple[Finding, ...]
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    def __getitem__(self, name: str) -> Finding:
+        return look_up("check", name, {found.name: found for found in self.findings})
+
+    @property
+    def holds(self) -> bool | None:
+        """False if a check does not hold; None if none of that kind, but some are not known."""
+        held = [found.holds for found in self.findings]
+        if False in held:
+            return False
+        return None if None in held else True
+
+    @property
+    def broken(self) -> tuple[Finding, ...]:
+        """Findings that do not hold."""
+        return tuple(found for found in self.findings if found.holds is False)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Check -> its finding as plain data; SI units, null for what is not known."""
+        return {found.name: found.as_dict() for found in self.findings}
+
+
+def certify(motion: Motion, robot: Robot | None = None) -> Certificate:
+    """Check a plan, a rollout or another tool's motion at 1 kHz on the robot's plain URDF.
+
+    Args:
+        motion: what is checked.
+        robot: the one that a plan names, with other drives; None: as its file has it.
+
+    Raises:
+        InputError: the robot has other joints by now than the motion.
+        RobotFileError: the robot is not there.
+    """
+    sampled = SampledMotion.of(motion, robot)
+    return Certificate(tuple(check.find(sampled) for check in CHECKS))
+
+
+def certified(motion: _Own) -> _Own:
+    """The plan or rollout with its certificate, which its file and exports then carry.
+
+    As it is if it has one; a plan that failed, or whose robot is not there or has other joints by
+    now, stays without.
+    """
+    if motion.certificate is not None or (isinstance(motion, Plan) and not motion.solved):
+        return motion
+    try:
+        return replace(motion, certificate=certify(motion).as_dict())
+    except (InputError, RobotFileError):
+        return motion
+
+
+def stated(motion: Plan | Rollout) -> Certificate | None:
+    """The certificate that a plan or a rollout carries; None: none."""
+    if motion.certificate is None:
+        return None
+    found = motion.certificate.items()
+    return Certificate(tuple(Finding(name=name, **values) for name, values in found))

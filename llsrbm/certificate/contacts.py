@@ -1,0 +1,122 @@
+"""Checks of the feet: friction, forces that only push, and standing feet that stay."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
+from llsrbm.motion.rollout import Rollout
+from llsrbm.robots.feet import foot_contacts
+
+Array = NDArray[np.float64]
+
+SLIGHT = 5e-3  # of the weight: a smaller force slips as well, and moves nothing
+SLIP = 0.01  # m
+
+
+class Friction(Check):
+    """Forces within the friction cone: worst = |f_t| / (mu f_n), at a contact, f_n vertical.
+
+    mu is the one that was planned with, of a rollout that of its ground. Forces below half a
+    hundredth of the weight are left out.
+    """
+
+    name: ClassVar[str] = "friction"
+    unit: ClassVar[str] = ""
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The foot nearest to slipping."""
+        if motion.forces is None:
+            return self.unknown(NO_FORCES)
+        tangential = np.linalg.norm(motion.forces[..., :2], axis=-1)
+        normal = motion.forces[..., 2]
+        pulls = normal <= 0
+        shares = tangential / np.where(pulls, 1.0, motion.friction * normal)
+        slight = np.linalg.norm(motion.forces, axis=-1) < SLIGHT * motion.weight
+        # What pulls is a matter of `ContactForce`.
+        shares = np.where(pulls | slight, 0.0, shares).max(axis=2)
+        return self.largest(motion, shares, motion.friction, motion.robot.leg_names)
+
+
+class ContactForce(Check):
+    """The ground only pushes, and only feet that stand.
+
+    worst = 1 + e / (m g), e the largest downward force on a contact, or any on a foot in the air.
+    """
+
+    name: ClassVar[str] = "contact_force"
+    unit: ClassVar[str] = "N"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The foot that is pulled or floats most."""
+        if motion.forces is None:
+            return self.unknown(NO_FORCES)
+        pulls = np.maximum(-motion.forces[..., 2].min(axis=2), 0.0)
+        # A tick of a rollout in which a foot lands or leaves begins or ends in the air.
+        standing = motion.contact
+        if isinstance(motion.source, Rollout):
+            standing = standing | np.abs(motion.forces).sum(axis=(2, 3)).astype(bool)
+        floating = np.where(standing, 0.0, np.linalg.norm(motion.forces, axis=-1).sum(axis=2))
+        shares = 1 + np.maximum(pulls, floating) / motion.weight
+        return self.largest(motion, shares, 0.0, motion.robot.leg_names)
+
+
+class Slip(Check):
+    """Standing feet stay where they stand, by the forward kinematics of the motion itself.
+
+    worst: the largest distance in m of a contact point from where it was when the foot came to
+    stand. A ball may roll: of two ways, that of the leg's foot frame, about which a plan's foot
+    turns, and that of the point by which the ball touches, the shorter one counts.
+    `limit`: 1 cm; between its knots a plan's feet wander by about half.
+    """
+
+    name: ClassVar[str] = "slip"
+    unit: ClassVar[str] = "m"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The foot that moves furthest."""
+        moved = np.zeros(motion.contact.shape)
+        places, velocities = _feet(motion)
+        for leg in range(len(motion.robot.legs)):
+            for first, end in _stances(motion.contact[:, leg]):
+                span = slice(first, end)
+                time = motion.time[span]
+                middle = places[span, leg] - places[first, leg]
+                speed = velocities[span, leg]
+                steps = (speed[1:] + speed[:-1]) / 2 * np.diff(time)[:, None, None]
+                touching = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, 0)])
+                ways = [np.linalg.norm(way, axis=-1).max(axis=-1) for way in (middle, touching)]
+                moved[span, leg] = np.minimum(*ways)
+        return self.largest(motion, moved, SLIP, motion.robot.leg_names, allowed=SLIP)
+
+
+def _feet(motion: SampledMotion) -> tuple[Array, Array]:
+    """(K, L, c, 3) m: point feet's frames, soles' balls; m/s: of points by which balls touch."""
+    model, data = motion.model, motion.model.createData()
+    contacts, is_point = foot_contacts(motion.robot), motion.robot.file.foot.is_point
+    places = np.empty((len(motion.time), len(contacts), *contacts[0].centres.shape))
+    velocities = np.empty_like(places)
+    world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    for k, (q, v) in enumerate(zip(motion.q, motion.v, strict=True)):
+        pin.forwardKinematics(model, data, q, v)
+        pin.updateFramePlacements(model, data)
+        for i, (leg, contact) in enumerate(zip(motion.robot.legs, contacts, strict=True)):
+            frame = data.oMf[leg.foot_frame_id]
+            centres = contact.centres @ frame.rotation.T + frame.translation
+            places[k, i] = frame.translation if is_point else centres
+            twist = pin.getFrameVelocity(model, data, leg.foot_frame_id, world)
+            arm = centres - frame.translation - [0.0, 0.0, contact.radius]
+            velocities[k, i] = twist.linear + np.cross(twist.angular, arm)
+    return places, velocities
+
+
+def _stances(stands: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First sample of each stance, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(np.int8)))
+    return [(int(first), int(end)) for first, end in pairwise(edges)][::2]

@@ -1,0 +1,115 @@
+"""A finding of a check: the worst value of a motion, its limit, and whether that holds."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from llsrbm.certificate.sampled_motion import SampledMotion
+from llsrbm.motion.trajectory import json_value
+
+Array = NDArray[np.float64]
+
+ALLOWANCE = 0.01  # of a limit: beyond it a share does not hold
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The worst value that one check finds in a motion.
+
+    Attributes:
+        name: of the check.
+        worst: a share of the limit, or a length in m; None if it cannot be known.
+        limit: in `unit`; None where there is none, or where it is not known.
+        unit: of the limit; of `worst` as well where that is a length.
+        allowed: what `worst` may be, or has to be at least where it is a distance between bodies.
+        where: joint, foot or pair of links; time_s: s, of the motion's own time.
+        holds: None if it cannot be known.
+        why: reason why it is not known, or why there is nothing to hold.
+    """
+
+    name: str
+    worst: float | None
+    limit: float | None
+    unit: str
+    where: str
+    time_s: float | None
+    holds: bool | None
+    allowed: float | None = None
+    why: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data without the name, null for what is not known or not finite."""
+        stated = vars(self)
+        return {key: json_value(value) for key, value in stated.items() if key != "name"}
+
+    @property
+    def is_length(self) -> bool:
+        """True if `worst` is in m; otherwise it is a share of the limit."""
+        return self.name in LENGTHS
+
+    def shown(self, value: float) -> str:
+        """A value like `worst`, for people: mm, or per cent of the limit."""
+        return f"{1e3 * value:.1f} mm" if self.is_length else f"{100 * value:.1f} %"
+
+
+LENGTHS = ("slip", "self_distance", "clearance")
+"""Checks whose worst value is in m."""
+
+
+class Check(ABC):
+    """One check of a motion; the docstring of each says what its worst value means."""
+
+    name: ClassVar[str]
+    unit: ClassVar[str]
+
+    @abstractmethod
+    def find(self, motion: SampledMotion) -> Finding:
+        """The worst value of the motion."""
+
+    def unknown(self, why: str) -> Finding:
+        """That nothing can be known."""
+        return Finding(self.name, None, None, self.unit, "", None, None, why=why)
+
+    def nothing(self, why: str) -> Finding:
+        """That there is nothing that could be violated."""
+        return Finding(self.name, None, None, self.unit, "", None, True, why=why)
+
+    def largest(
+        self,
+        motion: SampledMotion,
+        values: Array,
+        limits: ArrayLike,
+        names: tuple[str, ...],
+        allowed: float = 1 + ALLOWANCE,
+    ) -> Finding:
+        """The largest of `values` (K, n), shares of `limits` or lengths, at `names` (n,).
+
+        `limits` broadcast to the values.
+        """
+        bad = np.where(np.isnan(values), np.inf, values)  # no number is as bad as can be
+        k, n = (int(i) for i in np.unravel_index(np.argmax(bad), bad.shape))
+        worst, limit = float(bad[k, n]), float(np.broadcast_to(limits, bad.shape)[k, n])
+        return Finding(
+            *(self.name, worst, limit, self.unit, names[n], float(motion.time[k])),
+            holds=worst <= allowed,
+            allowed=allowed,
+        )
+
+    def least(
+        self, motion: SampledMotion, values: Array, limit: float, names: Sequence[str]
+    ) -> Finding:
+        """The least of distances (K,) m, at `names` (K,), which has to be `limit` or more."""
+        bad = np.where(np.isnan(values), -np.inf, values)
+        k = int(np.argmin(bad))
+        worst = float(bad[k])
+        return Finding(
+            *(self.name, worst, limit, self.unit, names[k], float(motion.time[k])),
+            holds=worst >= limit,
+            allowed=limit,
+        )

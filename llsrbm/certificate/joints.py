@@ -1,0 +1,89 @@
+"""Checks of the joints: stops, speeds, torques, and torques at their speeds."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.sampled_motion import NO_TORQUES, SampledMotion
+from llsrbm.robots.drives import FULL_UP_TO
+
+
+class JointPosition(Check):
+    """Joints within the stops of the URDF.
+
+    worst = 1 + e / (upper - lower), e the distance beyond the nearer stop, negative inside, rad or
+    m; so 1.01 is one hundredth of the range beyond. `limit` is that stop.
+    """
+
+    name: ClassVar[str] = "joint_position"
+    unit: ClassVar[str] = "rad"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The joint that comes nearest to a stop, or furthest beyond one."""
+        lower, upper = motion.model.lowerPositionLimit[7:], motion.model.upperPositionLimit[7:]
+        limited = np.isfinite(upper - lower) & (upper > lower)
+        if not limited.any():
+            return self.nothing("the URDF states no stops")
+        q, low, high = motion.joint_position[:, limited], lower[limited], upper[limited]
+        beyond = np.maximum(low - q, q - high)
+        stop = np.where(low - q > q - high, low, high)
+        names = tuple(np.array(motion.robot.joint_names)[limited].tolist())
+        return self.largest(motion, 1 + beyond / (high - low), stop, names)
+
+
+class JointSpeed(Check):
+    """Joints within the speed of their drives: worst = |v| / v_max."""
+
+    name: ClassVar[str] = "joint_speed"
+    unit: ClassVar[str] = "rad/s"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The fastest joint."""
+        limit = motion.robot.speed_limit
+        shares = np.abs(motion.joint_velocity) / limit
+        return self.largest(motion, shares, limit, motion.robot.joint_names)
+
+
+class JointTorque(Check):
+    """Joints within the torque of their drives at rest: worst = |tau| / tau_max.
+
+    Of a plan tau is inverse dynamics of the whole body with the planned contact forces; of a
+    rollout it is the recorded torque.
+    """
+
+    name: ClassVar[str] = "joint_torque"
+    unit: ClassVar[str] = "Nm"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The most loaded joint."""
+        if motion.torque is None:
+            return self.unknown(NO_TORQUES)
+        limit = motion.robot.torque_limit
+        return self.largest(motion, np.abs(motion.torque) / limit, limit, motion.robot.joint_names)
+
+
+class TorqueAtSpeed(Check):
+    """Torque and speed together within what the drives can do.
+
+    worst is the factor by which the drive's region of torque and speed would have to grow to hold
+    both: with t = |tau| / tau_max, s = |v| / v_max and the share w up to which the whole torque is
+    there, max(t, (1 - w) t + s) where the drive drives, t where it brakes. `limit` is the torque
+    that it has at that speed.
+    """
+
+    name: ClassVar[str] = "torque_at_speed"
+    unit: ClassVar[str] = "Nm"
+
+    def find(self, motion: SampledMotion) -> Finding:
+        """The joint nearest to the end of its drive's region, or furthest beyond."""
+        if motion.torque is None:
+            return self.unknown(NO_TORQUES)
+        most, fastest = motion.robot.torque_limit, motion.robot.speed_limit
+        t, s = np.abs(motion.torque) / most, np.abs(motion.joint_velocity) / fastest
+        drives = motion.torque * motion.joint_velocity > 0
+        shares = np.where(drives, np.maximum(t, (1 - FULL_UP_TO) * t + s), t)
+        there = np.where(drives, np.clip((1 - s) / (1 - FULL_UP_TO), 0.0, 1.0), 1.0) * most
+        return self.largest(motion, shares, there, motion.robot.joint_names)

@@ -1,0 +1,238 @@
+"""Any motion at 1 kHz: states, accelerations, forces and torques, as far as they are known.
+
+A plan is sampled as exports sample it (`llsrbm.motion.sampling`), and on both sides of each knot,
+where accelerations and forces jump; a rollout and a foreign motion are straight between their
+instants, which are sampled as well. Accelerations are differences of the velocities over ten
+microseconds that lie within one interval.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, pinocchio_states
+from llsrbm.robots import Robot, load_robot
+
+Array = NDArray[np.float64]
+Motion = Plan | Rollout | WholeBodyMotion
+
+RATE = 1000.0  # Hz
+_FIRST = 3e-4  # s: the first instant; with it none falls on a tick of 400, 500 or 1000 Hz
+_STEP = 5e-6  # s to either side, of differences
+_BESIDE = 1e-5  # s from a knot: what is known on that side of it
+
+NO_FORCES = "the motion has no contact forces"
+NO_TORQUES = "the motion has no torques, and without contact forces none follow"
+
+
+@dataclass(frozen=True, eq=False)
+class SampledMotion:
+    """A motion at K instants; L legs of c contacts, J joints in `Robot.joint_names`' order.
+
+    Attributes:
+        source: the motion; robot: that moves.
+        model: Pinocchio's, with the trunk's mass as simulated.
+        time: (K,) s of the motion's own time.
+        q, v, a: (K, nq), (K, nv), (K, nv) in Pinocchio's convention, SI units.
+        contact: (K, L) whether a foot stands.
+        points, forces: (K, L, c, 3) m, N, world frame; None: not known.
+        recorded_torque: (K, J) Nm or N; None: torque follows from the forces.
+        friction: coefficient that feet have; whole_feet: whether a force is the sum over a foot,
+            which acts somewhere in its sole.
+    """
+
+    source: Motion
+    robot: Robot
+    model: pin.Model
+    time: Array
+    q: Array
+    v: Array
+    a: Array
+    contact: NDArray[np.bool_]
+    points: Array | None
+    forces: Array | None
+    recorded_torque: Array | None
+    friction: float
+    whole_feet: bool
+
+    @staticmethod
+    def of(motion: Motion, robot: Robot | None = None) -> SampledMotion:
+        """Sample a motion; `robot`: the one that a plan names, with other drives.
+
+        Raises:
+            InputError: its robot has other joints by now.
+            RobotFileError: the robot is not there.
+        """
+        if isinstance(motion, Plan):
+            return _of_plan(motion, robot or load_robot(motion.jump.robot))
+        return _of_rollout(motion) if isinstance(motion, Rollout) else _of_states(motion)
+
+    @property
+    def joint_position(self) -> Array:
+        """(K, J) rad or m."""
+        return self.q[:, 7:]
+
+    @property
+    def joint_velocity(self) -> Array:
+        """(K, J) rad/s or m/s."""
+        return self.v[:, 6:]
+
+    @cached_property
+    def weight(self) -> float:
+        """N."""
+        return float(pin.computeTotalMass(self.model)) * abs(float(self.model.gravity.linear[2]))
+
+    @cached_property
+    def effort(self) -> Array | None:
+        """(K, nv) N, Nm: generalised forces beside those of the contacts; None: not known.
+
+        M(q) a + h(q, v) - J^T f by Pinocchio's recursive Newton-Euler algorithm: six rows of the
+        base, which has no drive, base axes, and the joints' torques.
+        """
+        if self.points is None or self.forces is None:
+            return None
+        model, data = self.model, self.model.createData()
+        parents = [model.frames[leg.foot_frame_id].parentJoint for leg in self.robot.legs]
+        total = self.forces.sum(axis=2)
+        moment = np.cross(self.points, self.forces).sum(axis=2)  # about the world's origin
+        effort = np.empty_like(self.v)
+        outer = pin.StdVec_Force()
+        outer.extend([pin.Force.Zero() for _ in range(model.njoints)])
+        for k in range(len(self.time)):
+            pin.forwardKinematics(model, data, self.q[k])
+            for joint in set(parents):
+                outer[joint] = pin.Force.Zero()
+            for leg, joint in enumerate(parents):
+                in_world = pin.Force(total[k, leg], moment[k, leg])
+                outer[joint] = outer[joint] + data.oMi[joint].actInv(in_world)
+            effort[k] = pin.rnea(model, data, self.q[k], self.v[k], self.a[k], outer)
+        return effort
+
+    @cached_property
+    def torque(self) -> Array | None:
+        """(K, J) Nm or N: recorded, or by inverse dynamics; None: not known."""
+        if self.recorded_torque is not None or self.effort is None:
+            return self.recorded_torque
+        return self.effort[:, 6:]
+
+
+def _instants(knots: Array, *, both_sides: bool) -> Array:
+    """Instants at `RATE` between the first and the last knot, and beside the knots, s."""
+    start, end = knots[0], knots[-1]
+    times = np.arange(start + _FIRST, end, 1 / RATE)
+    after = np.clip(np.searchsorted(knots, times), 1, len(knots) - 1)
+    apart = np.minimum(times - knots[after - 1], knots[after] - times)
+    sides = [knots[:-1] + _BESIDE]
+    if both_sides:
+        sides.append(knots[1:] - _BESIDE)
+    return np.unique(np.concatenate([times[apart > _BESIDE], *sides]))
+
+
+def _states(motion: WholeBodyMotion) -> tuple[Array, Array]:
+    return pinocchio_states(motion.qpos, motion.qvel)
+
+
+def _acceleration(before: WholeBodyMotion, after: WholeBodyMotion) -> Array:
+    """(K, nv): Pinocchio's are the derivatives of its velocities, in the base's axes."""
+    difference: Array = (_states(after)[1] - _states(before)[1]) / (2 * _STEP)
+    return difference
+
+
+def _of_plan(plan: Plan, robot: Robot) -> SampledMotion:
+    times = _instants(plan.time, both_sides=True)
+    before, at, after = (motion_at(plan, times + step) for step in (-_STEP, 0.0, _STEP))
+    sampled = resample(plan, times)
+    q, v = _states(at)
+    feet = (len(times), len(robot.legs), -1, 3)
+    return SampledMotion(
+        source=plan,
+        robot=robot,
+        model=robot.model,
+        time=times,
+        q=q,
+        v=v,
+        a=_acceleration(before, after),
+        contact=at.contact,
+        points=sampled.contact_point.reshape(feet),
+        forces=sampled.contact_force.reshape(feet),
+        recorded_torque=None,
+        friction=plan.tuning.limits.get("friction", robot.file.limits.friction),
+        whole_feet=False,
+    )
+
+
+def _of_rollout(rollout: Rollout) -> SampledMotion:
+    robot = load_robot(rollout.jump.robot)
+    times = _instants(rollout.time, both_sides=False)
+    before, at, after = (motion_at(rollout, times + step) for step in (-_STEP, 0.0, _STEP))
+    assert at.foot_force is not None
+    assert at.pressed_at is not None
+    q, v = _states(at)
+    return SampledMotion(
+        source=rollout,
+        robot=robot,
+        model=_with_trunk(robot.model, rollout.disturbance.trunk_mass_factor),
+        time=times,
+        q=q,
+        v=v,
+        a=_acceleration(before, after),
+        contact=at.contact,
+        points=at.pressed_at[:, :, None],
+        forces=at.foot_force[:, :, None],
+        recorded_torque=at.joint_torque,
+        friction=rollout.disturbance.friction,
+        whole_feet=not robot.file.foot.is_point,
+    )
+
+
+def _of_states(motion: WholeBodyMotion) -> SampledMotion:
+    """Straight between frames, torques and forces those of the frame before."""
+    knots, robot = motion.time, motion.robot
+    times = _instants(knots, both_sides=False)
+    frame = np.searchsorted(knots, times, side="right") - 1
+    share = ((times - knots[frame]) / (knots[frame + 1] - knots[frame]))[:, None]
+
+    def straight(values: Array) -> Array:
+        mixed: Array = values[frame] + share * (values[frame + 1] - values[frame])
+        return mixed
+
+    qpos, qvel = straight(motion.qpos), straight(motion.qvel)
+    attitude = Slerp(knots, Rotation.from_quat(motion.base_quat, scalar_first=True))
+    qpos[:, 3:7] = attitude(times).as_quat(scalar_first=True)
+    q, v = pinocchio_states(qpos, qvel)
+    rates = pinocchio_states(motion.qpos, motion.qvel)[1]
+    forces, points = motion.foot_force, motion.pressed_at
+    return SampledMotion(
+        source=motion,
+        robot=robot,
+        model=robot.model,
+        time=times,
+        q=q,
+        v=v,
+        a=(np.diff(rates, axis=0) / np.diff(knots)[:, None])[frame],
+        contact=motion.contact[frame],
+        points=None if points is None else points[frame][:, :, None],
+        forces=None if forces is None else forces[frame][:, :, None],
+        recorded_torque=None if motion.joint_torque is None else motion.joint_torque[frame],
+        friction=robot.file.limits.friction,
+        whole_feet=not robot.file.foot.is_point,
+    )
+
+
+def _with_trunk(model: pin.Model, factor: float) -> pin.Model:
+    """The model whose root body has `factor` times its mass and inertia, as simulated."""
+    if factor == 1.0:
+        return model
+    other = model.copy()
+    trunk = model.inertias[1]
+    other.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
+    return other

@@ -1,0 +1,72 @@
+"""`llsrbm check`."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from llsrbm.commands import console, options
+
+if TYPE_CHECKING:
+    from llsrbm.certificate import Certificate, Finding
+
+
+def check_command(
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="A native file, or another tool's (`llsrbm formats`)."),
+    ],
+    robot: Annotated[
+        str, typer.Option(metavar="R", help="Whose motion is in another tool's file.")
+    ] = "anymal",
+    fps: Annotated[
+        float | None, typer.Option(help="Frames per second of a file that does not say.")
+    ] = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Print the certificate of a plan, a simulation or another tool's motion.
+
+    Checked at 1 kHz on the robot's plain URDF, without the planner or its models: stops, speeds and
+    torques of the joints, friction, contact forces, standing feet, distances, dynamics.
+    The exit status is 1 if a check does not hold. What the file does not tell is not known.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.certificate import certify
+        from llsrbm.formats import load_any
+
+        certificate = certify(load_any(file, robot, fps))
+        result: dict[str, Any] = {
+            "file": str(file),
+            "holds": certificate.holds,
+            "certificate": certificate.as_dict(),
+        }
+        if as_json:
+            print(json.dumps(result, allow_nan=False), file=stdout)
+        else:
+            print("\n".join(_table(certificate)), file=stdout)
+    return console.FAILED if certificate.holds is False else console.DONE
+
+
+def _table(certificate: Certificate) -> list[str]:
+    """A head, a line a check and the result."""
+    rows = [("check", "", "worst", "allowed", "limit", "where", "time"), *map(_row, certificate)]
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
+    broken = ", ".join(found.name for found in certificate.broken)
+    words = {True: "holds", False: f"does not hold: {broken}", None: "holds as far as it is known"}
+    return [*(line.rstrip() for line in lines), f"The certificate {words[certificate.holds]}."]
+
+
+_WORDS = {True: "holds", False: "BROKEN", None: "unknown"}
+
+
+def _row(found: Finding) -> tuple[str, ...]:
+    head = found.name, _WORDS[found.holds]
+    if found.worst is None or found.allowed is None:
+        return (*head, "-", "-", "-", found.why, "")
+    shown = [found.shown(value) for value in (found.worst, found.allowed)]
+    limit = f"{found.limit:.4g} {found.unit}".strip()
+    return (*head, *shown, limit, found.where, f"{found.time_s:.3f} s")

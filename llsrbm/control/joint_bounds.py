@@ -1,0 +1,55 @@
+"""Accelerations with which joints stay short of their stops and below their drives' speeds.
+
+A joint that is a distance d away from its stop, less a margin, comes to rest in time if its speed w
+towards it keeps to
+
+    w^2 <= 2 A d,    A = `BRAKING` of the drive's torque / M_jj,
+
+with the inertia that the drive moves while the other joints are held. The bound is on the
+acceleration that leads there within `REACTION`: at w' = w - a T and d' = d - T (w + w') / 2. Beyond
+the margin the joint returns within `RETURN`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.control.whole_body import WholeBody
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+
+MARGIN = 0.01  # share of a joint's range that is kept from either stop
+BRAKING = 0.5  # share of the drive's torque at rest
+SPEED = 1.1  # of the drive's; plans may reach it at lift-off, and held to it robots jump too low
+REACTION = 0.005  # s; torques come up to a tick late, and measured speeds are noisy
+RETURN = 0.02  # s
+
+
+class JointBounds:
+    """Bounds on the joints' accelerations of a robot as the controller believes it is."""
+
+    def __init__(self, robot: Robot) -> None:
+        lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+        margin = MARGIN * (upper - lower)
+        self._stops = np.stack([lower + margin, margin - upper])
+        self._torque = BRAKING * robot.torque_limit
+        self._speed = SPEED * robot.speed_limit
+
+    def accelerations(self, body: WholeBody) -> tuple[Array, Array]:
+        """Lowest and highest, (J,) each, rad/s2 or m/s2, for the body's present state.
+
+        Bounds that exclude each other change places: anything between them is allowed.
+        """
+        q, v, T = body.q[7:], body.v[6:], REACTION
+        braking = self._torque / body.M.diagonal()[6:]
+        # Towards the lower stop and the upper one, (2, J).
+        rate = np.stack([v, -v])
+        room = 2 * (np.stack([q, -q]) - self._stops) + T * rate
+        reach = braking * T
+        free = (np.sqrt(reach**2 + 4 * braking * np.maximum(room, 0.0)) - reach) / 2
+        towards = np.where(room > 0, free, np.maximum(room / (2 * RETURN), -reach))
+        towards = np.minimum(towards, self._speed)
+        least = (-towards - rate) / T
+        return np.minimum(least[0], -least[1]), np.maximum(-least[1], least[0])

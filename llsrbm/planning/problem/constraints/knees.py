@@ -1,0 +1,124 @@
+"""Knees of standing legs keep above what their feet stand on, and swinging legs apart."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.body.knee_room import knee_room, knee_width
+from llsrbm.body.trunk_and_knees import knee_joint
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.task import Task
+
+_ANYWHERE = -10.0  # m: a motion under way lands as it can, which is better than no plan
+
+
+class KneeHeight(Constraint):
+    """z_knee - z_foot >= thickness + margin, of legs that stand in the last phase.
+
+    The thickness is that of the thigh at its knee. In simulations legs bend deeper than planned as
+    they land: knees come up to 45 mm lower (Go2, ANYmal).
+    """
+
+    name = "knee_height"
+    unit = "m"
+    limits = (
+        Limit(
+            "knee_margin",
+            "margin of knees over the ground",
+            "m",
+            "knees of standing legs keep higher above the ground and what is landed on",
+            lowest=0.0,
+            highest=0.1,
+            place=("knee_margin",),
+            lower_bound=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """True if the robot has knees."""
+        return knee_joint(task.robot) is not None
+
+    def applies(self, role: Role) -> bool:
+        """Where a foot stands in the last phase: take-offs bend less, and rows cost time."""
+        return role.final and bool(role.standing) and not role.terminal and not role.initial
+
+    def rows(self, stage: Stage) -> Any:
+        """(standing, 1) m above the foot's contact point; none of robots without knees."""
+        model, rows = stage.model, []
+        up = stage.lift(stage.R_world_base[2, :].T)
+        for i in stage.role.standing:
+            knee = model.drives.legs[i].knee(stage.feet_in_hip[:, i])
+            if knee is not None:
+                seen = stage.offset + ca.DM(model.hips[i]) + stage.lift(knee)
+                rows.append(stage.position[2] + ca.dot(up, seen) - stage.standing_feet[2, i])
+        return ca.vertcat(*rows) if rows else ca.SX(0, 1)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At least the thickness and the margin."""
+        role = layout.roles[knot]
+        rows = len(role.standing) if self.concerns(task) else 0
+        under_way = task.motion is not None
+        least = _ANYWHERE if under_way else knee_room(task.robot) + task.knee_margin
+        return np.full(rows, least), np.full(rows, np.inf)
+
+
+class LegsApart(Constraint):
+    """y_left - y_right >= 2 width + margin, of knees and feet of legs side by side, base axes.
+
+    At least one of the legs swings. The width is that of the shank at its knee.
+    """
+
+    name = "legs_apart"
+    unit = "m"
+    limits = (
+        Limit(
+            "legs_apart",
+            "distance that legs side by side keep",
+            "m",
+            "legs stay further from each other in flight",
+            lowest=0.0,
+            highest=0.2,
+            place=("legs_apart",),
+            lower_bound=True,
+        ),
+    )
+
+    def concerns(self, task: Task) -> bool:
+        """True if the robot has knees."""
+        return knee_joint(task.robot) is not None
+
+    def applies(self, role: Role) -> bool:
+        """Between lift-off and touchdown of any foot."""
+        return role.flies
+
+    def rows(self, stage: Stage) -> Any:
+        """(2 pairs, 1) m, knees and feet; none of robots without knees."""
+        model, rows = stage.model, []
+        for pair in _side_by_side(model.hips, stage.role):
+            x = [stage.feet_in_hip[:, i] for i in pair]
+            knees: list[Any] = [model.drives.legs[i].knee(x) for i, x in zip(pair, x, strict=True)]
+            if knees[0] is None:
+                continue
+            feet = [ca.DM(model.mirrors[i]) * x[:3] for i, x in zip(pair, x, strict=True)]
+            across = float(model.hips[pair[0]][1] - model.hips[pair[1]][1])
+            for left, right in (knees, feet):
+                rows.append(across + stage.lift(left[1] - right[1]))
+        return ca.vertcat(*rows) if rows else ca.SX(0, 1)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """At least both widths and the margin."""
+        pairs = len(_side_by_side(task.robot.hips, layout.roles[knot]))
+        rows = 2 * pairs if self.concerns(task) else 0
+        return np.full(rows, 2 * knee_width(task.robot) + task.legs_apart), np.full(rows, np.inf)
+
+
+def _side_by_side(hips: Array, role: Role) -> list[tuple[int, int]]:
+    """Left leg and the right leg next to it, of which at least one flies."""
+    left, right = (np.flatnonzero(side * hips[:, 1] > 0) for side in (1, -1))
+    pairs = [(int(i), int(right[np.abs(hips[right, 0] - hips[i, 0]).argmin()])) for i in left]
+    return [pair for pair in pairs if set(pair) & set(role.flying)]

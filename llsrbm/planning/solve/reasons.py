@@ -1,0 +1,231 @@
+"""Why a jump cannot be planned: the limits at which the nearest one stops, by their multipliers.
+
+At the nearest jump multipliers say by how much less of the request would have to be given up if a
+limit was a little looser: their order is right, amounts are off by up to 2.4 times. How much looser
+the first one has to be is found by planning the whole request under it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.errors import NotConverged, Stop
+from llsrbm.motion.plan import Plan
+from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
+from llsrbm.planning.problem.horizon import row_bounds, row_places
+from llsrbm.planning.problem.limits import Limit, limits_in
+from llsrbm.planning.problem.placement import describe
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.violations import (
+    describe_worst,
+    phase_name,
+    severity,
+    stop,
+    stops,
+    violation_with,
+    with_demand,
+)
+from llsrbm.planning.solve.formulation import CLOSE, Attempt
+from llsrbm.planning.solve.nearest import Nearest, distance
+from llsrbm.planning.solve.progress import Watch
+from llsrbm.request.jump import changes
+
+Array = NDArray[np.float64]
+
+# Of a limit, or of its unit where it is next to nothing: the step with which gains are measured.
+STEP, LEAST = 0.01, 0.01
+# A gain below this share of the largest is none.
+FEW = 0.1
+# Times as much as multipliers say: tries of how loose a limit has to be.
+TRIED = (1.5, 3.0)
+NAMED = 2  # limits at most
+
+
+@dataclass(frozen=True, eq=False)
+class Gain:
+    """Worth of a limit at the nearest jump.
+
+    Attributes:
+        constraint, limit, value: what is limited, and by how much.
+        slope: shares of the ranges regained per unit by which the limit is looser.
+    """
+
+    constraint: Constraint
+    limit: Limit
+    value: float
+    slope: float
+
+    @property
+    def looser(self) -> int:
+        """The sign of a change that allows more."""
+        return -1 if self.limit.lower_bound else 1
+
+    @property
+    def relative(self) -> float:
+        """Shares regained when the limit is looser by all of itself."""
+        return self.slope * max(abs(self.value), LEAST)
+
+
+def refusal(
+    nearest: Nearest, task: Task, last: Plan, less: Plan, explains: bool, watch: Watch
+) -> NotConverged:
+    """The error of a request of which less can be planned.
+
+    Args:
+        nearest, less: the nearest jump, and its plan.
+        task, last: the request, and where its planning ended.
+        explains: whether what it would need is found out.
+        watch: reports and cancels.
+
+    Raises:
+        Cancelled: it is not wanted any more.
+    """
+    found = stops_of(nearest, task, watch) if explains else stops_at(nearest)
+    reason = sentence(found)
+    message = f"not feasible: {reason}; nearest: {changes(task.jump, less.jump)}"
+    return NotConverged(message, last, found, less, reason)
+
+
+def unexplained(task: Task, best: Attempt, plan: Plan) -> NotConverged:
+    """The error of a request of which no less is known: what its best attempt violates."""
+    found, worst = stops(best.knots), describe_worst(best.violations, best.knots)
+    tries = f"{plan.report.attempts} attempts ({describe(task.jump)})"
+    reason = " and ".join(map(str, found[:NAMED]))
+    return NotConverged(f"no plan found in {tries}: {worst}", plan, found, reason=reason)
+
+
+def gains(nearest: Nearest) -> list[Gain]:
+    """Of the limits that hold the nearest jump back, what matters most first."""
+    form, elastic = nearest.formulation, nearest.elastic
+    task, multipliers = replace(elastic.task, agreed_bounds={}), elastic.solution.multipliers
+    lower, upper = row_bounds(form.layout, task)
+    problem = form.problem(task)
+    variables = elastic.solution.variables
+    rows = form.constraint_values(variables, problem.parameters)
+    places, _ = row_places(form.layout, task)
+    held = {c for c in CONSTRAINTS if np.abs(multipliers[places.get(c, [])]).max(initial=0.0) > 0}
+    limits = limits_in(task)
+    found = []
+    for constraint in CONSTRAINTS:
+        if not held & {constraint, *_limited_too(constraint)}:
+            continue
+        for limit, value in (limits[x.name] for x in constraint.limits if x.name in limits):
+            step = STEP * max(abs(value), LEAST) * (-1 if limit.lower_bound else 1)
+            other = limit.put(task, value + step)
+            low, high = row_bounds(form.layout, other)
+            other_rows = form.constraint_values(variables, form.problem(other).parameters)
+            cost = multipliers @ (other_rows - rows)
+            cost -= np.maximum(multipliers, 0.0) @ _change(upper, high)
+            cost -= np.minimum(multipliers, 0.0) @ _change(lower, low)
+            slope = -float(cost) / form.penalty / abs(step)
+            found.append(Gain(constraint, limit, value, slope))
+    found.sort(key=lambda gain: -gain.relative)
+    return [gain for gain in found if gain.relative > FEW * max(found[0].relative, 0.0)]
+
+
+def _change(one: Array, other: Array) -> Array:
+    """Of bounds; 0 where there is none."""
+    bounded = np.isfinite(one)
+    return np.subtract(other, one, out=np.zeros_like(one), where=bounded)
+
+
+def stops_at(nearest: Nearest) -> tuple[Stop, ...]:
+    """Where the nearest jump is at its limits, without what the request would need."""
+    return tuple(_at_limit(nearest, gain) for gain in gains(nearest))
+
+
+def stops_of(nearest: Nearest, task: Task, watch: Watch) -> tuple[Stop, ...]:
+    """The limits that stop a request, the most important first, with what it would need.
+
+    The first of them that alone does is alone; where none does the first two are together.
+
+    Raises:
+        Cancelled: it is not wanted any more.
+    """
+    ranked = gains(nearest)
+    missing = distance(nearest.elastic.task, nearest.plain.task.jump)
+    for gain in ranked[:NAMED]:
+        found = _needed(nearest, task, gain, missing, watch)
+        if found is not None:
+            others = (_at_limit(nearest, other) for other in ranked if other is not gain)
+            return (found, *others)
+    return stops_at(nearest)
+
+
+def _needed(nearest: Nearest, task: Task, gain: Gain, missing: float, watch: Watch) -> Stop | None:
+    """The value that a request needs of one limit; None: more of it alone does not do."""
+    for value in _values(gain, missing):
+        free = _free(nearest, gain.limit.put(task, value), watch)
+        if free is not None:
+            knots = free.knots.under(gain.limit.put(free.task, gain.value))
+            worst = max(
+                (
+                    violation_with(free.knots, c, gain.limit, gain.value)
+                    for c in (gain.constraint, *_limited_too(gain.constraint))
+                ),
+                key=severity,
+            )
+            found = stop(gain.constraint, gain.limit, gain.value, value, worst)
+            return with_demand(found, gain.constraint.demand(knots), knots)
+    return None
+
+
+def _limited_too(constraint: Constraint) -> Iterator[Constraint]:
+    """Others that a constraint's limits are in."""
+    names = {limit.name for limit in constraint.limits}
+    return (c for c in CONSTRAINTS if names & {*c.limited_by})
+
+
+def _values(gain: Gain, missing: float) -> Iterator[float]:
+    """Looser values of a limit, to the end of its range."""
+    end, sign = gain.limit.loosest, gain.looser
+    for times in TRIED:
+        value = gain.value + sign * times * missing / max(gain.slope, 1e-9)
+        if sign * (end - value) > 0:
+            yield value
+    if sign * (end - gain.value) > 0:
+        yield end
+
+
+def _free(nearest: Nearest, task: Task, watch: Watch) -> Attempt | None:
+    """The plan of a request under a looser limit."""
+    plain = nearest.formulation.plain
+    near = replace(nearest.plain, task=replace(nearest.plain.task, agreed_bounds={}))
+    guess = plain.moved(near, task)
+    found = plain.agreed(plain.solve(task, guess, watch, CLOSE), watch)
+    return found if found.solved else None
+
+
+def _at_limit(nearest: Nearest, gain: Gain) -> Stop:
+    """A limit, and where the nearest jump leans on it most."""
+    form, elastic = nearest.formulation, nearest.elastic
+    places, owner = row_places(form.layout, elastic.task)
+    concerned = [c for c in (gain.constraint, *_limited_too(gain.constraint)) if c in places]
+    rows = np.concatenate([places[c] for c in concerned])
+    knots = elastic.knots
+    knot = int(owner[rows[np.argmax(np.abs(elastic.solution.multipliers[rows]))]])
+    found = Stop(
+        constraint=gain.constraint.name,
+        phase=phase_name(knots, knot),
+        time=float(knots.time[knot]),
+        amount=0.0,
+        unit=gain.limit.unit,
+        limit=gain.limit.name,
+        title=gain.limit.title,
+        value=gain.value,
+        needed=gain.value,
+    )
+    need = gain.constraint.leaning(knots, knot, gain.value)
+    return found if need is None else replace(found, demand=need)
+
+
+def sentence(found: tuple[Stop, ...]) -> str:
+    """The first limit, or the first two where it takes both, in words."""
+    if not found:
+        return "no single limit is found that stops it"
+    alone = found[0].amount > 0
+    return " and ".join(str(stop) for stop in found[: 1 if alone else NAMED])

@@ -1,0 +1,1 @@
+"""The second stage: a centroidal plan made one of the whole body's equations of motion."""

@@ -1,0 +1,151 @@
+"""A centroidal plan in, the whole body's plan near it out: solvers are built once and kept."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.motion.plan import Plan, Refinement, Violation
+from llsrbm.ocp.horizon import Solution
+from llsrbm.ocp.solvers import Fatrop, SolveOptions, Solver
+from llsrbm.planning.solve.progress import Progress, Watch
+from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
+from llsrbm.planning.whole_body.grid import Grid, Sizes
+from llsrbm.planning.whole_body.motion import Motion
+from llsrbm.planning.whole_body.problem import (
+    make_horizon,
+    make_problem,
+    rows,
+    unit_of_variables,
+)
+from llsrbm.planning.whole_body.result import plan_of
+from llsrbm.planning.whole_body.start import Start, start_of, variables
+from llsrbm.robots import load_robot
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+_log = logging.getLogger(__name__)
+
+# The guess is near: it begins where its bounds are, and where the cost is flat it is as good as
+# solved.
+OPTIONS = SolveOptions(mu=1e-3, iterations=100, push=0.01, acceptable=(5e-3, 4))
+TOLERANCE = 1e-3  # of rows, in their units of about 1
+SOLVED, FAILED = "solved", "not-converged"
+_UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m"}
+
+
+class Refiner:
+    """The second stage of a robot's plans on one grid."""
+
+    def __init__(self, robot: Robot, grid: Grid) -> None:
+        """Load the solver from the cache, or build and keep it."""
+        self.robot, self.grid, self.sizes = robot, grid, Sizes.of(robot)
+        self.solver: Solver = cached_solver(Fatrop, _subject(robot, grid))
+        self._unit = unit_of_variables(grid, self.sizes)
+        self.last: Motion | None = None  # of the last plan, for studies
+
+    def refine(
+        self,
+        plan: Plan,
+        *,
+        cancelled: Callable[[], bool] | None = None,
+        progress: Progress | None = None,
+    ) -> Plan:
+        """The whole body's plan near a centroidal one; that itself where there is none.
+
+        Its `refinement` says which.
+
+        Raises:
+            Cancelled: `cancelled` was true.
+        """
+        begun, watch = time.perf_counter(), Watch(cancelled, progress)
+        watch.wait()
+        watch.begin("refining: the whole body's dynamics")
+        start = start_of(plan, self.robot, self.grid)
+        problem = make_problem(self.robot, self.grid, start)
+        guess = variables(start, self.grid, self.sizes, self._unit)
+        solution = watch.over(partial(self.solver.solve, problem, guess, OPTIONS, watch.read))
+        found = self._violations(solution, plan, start)
+        solved = solution.converged and all(v.amount <= TOLERANCE for v in found.values())
+        result = plan
+        if solved:
+            self.last = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
+            result = replace(
+                plan_of(self.last, start, plan, self.robot, self.grid), violations=found
+            )
+        else:
+            _log.info("the second stage did not converge: %s", solution.message)
+        report = Refinement(
+            status=SOLVED if solved else FAILED,
+            iterations=solution.iterations,
+            solve_time_s=solution.solve_time_s,
+            total_time_s=time.perf_counter() - begun,
+            build_time_s=0.0,
+            cost=solution.cost,
+            compiling=is_compiling(self.solver),
+        )
+        return replace(result, refinement=report)
+
+    def _violations(self, solution: Solution, plan: Plan, start: Start) -> dict[str, Violation]:
+        """The largest violation of each kind of rows, of a solution as it is."""
+        problem = make_problem(self.robot, self.grid, start)
+        g = np.array(self.solver.function("nlp_g")(solution.variables, problem.parameters)).ravel()
+        found: dict[str, Violation] = {}
+        at = 0
+        for name, knot, instant, low, high in rows(self.robot, self.grid, start):
+            values = g[at : at + len(low)]
+            at += len(low)
+            amount = float(np.max(np.maximum(low - values, values - high), initial=0.0))
+            name = name or "continuity"
+            if name not in found or amount > found[name].amount:
+                phase = int(self.grid.phase[min(knot, self.grid.intervals - 1)])
+                named = plan.schedule[phase].name
+                found[name] = Violation(amount, _UNITS.get(name, "1"), named, instant)
+        return found
+
+
+def refined(
+    plan: Plan,
+    robot: Robot | None = None,
+    *,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Progress | None = None,
+) -> Plan:
+    """`Refiner.refine` of a plan that converged, by a solver that is built once a process.
+
+    `robot`: the one that the plan names, with other drives.
+    """
+    start = time.perf_counter()
+    refiner = refiner_of(plan, robot)
+    built = time.perf_counter() - start
+    result = refiner.refine(plan, cancelled=cancelled, progress=progress)
+    assert result.refinement is not None
+    return replace(result, refinement=replace(result.refinement, build_time_s=built))
+
+
+def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
+    """The second stage of plans like this one, built once a process; `robot` as of `refined`."""
+    robot = robot or load_robot(plan.jump.robot)
+    return _kept(robot.turning if plan.jump.turns else robot, Grid.of(plan))
+
+
+@lru_cache(maxsize=8)
+def _kept(robot: Robot, grid: Grid) -> Refiner:
+    return Refiner(robot, grid)
+
+
+def _subject(robot: Robot, grid: Grid) -> Subject:
+    return Subject(
+        of=f"{robot.name}-whole-body",
+        variant=grid.name,
+        title=f"whole-body solver of {robot.name}",
+        numbers=repr((robot.parameters(), robot.urdf_path.read_bytes(), grid)),
+        horizon=lambda: make_horizon(robot, grid),
+    )

@@ -1,0 +1,117 @@
+"""A motion of the second stage as a plan."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.body.efforts import efforts
+from llsrbm.mechanics import apply, quaternions, rotation_matrices, sign_continuous
+from llsrbm.motion.plan import Plan
+from llsrbm.planning.whole_body.grid import NODES, Grid
+from llsrbm.planning.whole_body.motion import Motion
+from llsrbm.planning.whole_body.start import Start
+from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) -> Plan:
+    """A centroidal plan with the second stage's motion in its place.
+
+    Its knots are those of the grid and the middles between them: the middles of the plan's
+    intervals are the nodes, where its forces and torques are exact.
+    """
+    assert plan.joint_torque is not None  # a plan that converged has them
+    assert plan.joint_torque_limit is not None
+    time = start.time
+    at = motion.at(time)
+    quat = sign_continuous(at.q[:, [6, 3, 4, 5]])
+    R = rotation_matrices(quat)
+    joints = at.q[:, 7:]
+    com, inertia, momentum, foot_position, foot_rotation = _by_pinocchio(robot, at.q, at.v)
+    phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
+    # Standing feet drift by less than the rows' tolerance from where they are planned to stand.
+    rests = _resting(plan.schedule.stands[phase])
+    foot_position = np.where(rests[..., None], start.place, foot_position)
+    foot_quat = np.where(rests[..., None], start.foot_quat, _of_soles(robot, foot_rotation))
+    corners = rotation_matrices(foot_quat) @ robot.corners.T
+    contact_point = foot_position[:, :, None] + np.swapaxes(corners, -1, -2)
+
+    node_count = grid.intervals * len(NODES)
+    interval = np.repeat(np.arange(grid.intervals), len(NODES))
+    nodes = motion.within(interval, np.tile(NODES, grid.intervals))
+    torque = efforts(robot, nodes.q, nodes.v, nodes.a, nodes.force)[:, 6:]
+    limit = torque_in_direction(robot, nodes.v[:, 6:], torque)
+    order = [plan.joint_names.index(name) for name in robot.joint_names]
+    q_legs = joints[:, robot.leg_joint_index]
+    legs_com = robot.chains.masses(q_legs).com
+    foot_base = robot.chains.motion(q_legs).foot
+    in_hip = _between(time, plan.time, plan.foot_in_hip)
+    in_hip[..., :3] = robot.mirrors * (foot_base - robot.hips)
+    return replace(
+        plan,
+        time=time,
+        phase=phase,
+        com=com,
+        com_velocity=momentum[:, :3] / robot.mass,
+        base_quat=quat,
+        base_position=at.q[:, :3],
+        angular_velocity=apply(R, at.v[:, 3:6]),
+        linear_momentum=momentum[:, :3],
+        angular_momentum=momentum[:, 3:],
+        inertia=inertia,
+        foot_position=foot_position,
+        foot_quat=sign_continuous(foot_quat),
+        contact_point=contact_point.reshape(len(time), -1, 3),
+        contact_force=np.concatenate([nodes.force, np.zeros((1, *nodes.force.shape[1:]))]),
+        leg_com=at.q[:, None, :3] + np.einsum("kij,klj->kli", R, legs_com),
+        joint_position=joints,
+        joint_velocity=at.v[:, 6:],
+        joint_names=robot.joint_names,
+        joint_torque=np.vstack([torque[:node_count], plan.joint_torque[-1:, order]]),
+        joint_torque_limit=np.vstack([limit, plan.joint_torque_limit[-1:, order]]),
+        foot_in_hip=in_hip,
+    )
+
+
+def _by_pinocchio(robot: Robot, q: Array, v: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """CoM, inertia, momentum (linear, angular), the feet's lowest points and their attitudes."""
+    model, data, legs = robot.model, robot.model.createData(), len(robot.legs)
+    com, inertia, momentum = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6))
+    place, rotation = np.empty((len(q), legs, 3)), np.empty((len(q), legs, 3, 3))
+    for k in range(len(q)):
+        pin.ccrba(model, data, q[k], v[k])
+        pin.updateFramePlacements(model, data)
+        com[k], inertia[k], momentum[k] = data.com[0], data.Ig.inertia, data.hg.vector
+        for leg, description in enumerate(robot.legs):
+            placed = data.oMf[description.foot_frame_id]
+            place[k, leg], rotation[k, leg] = placed.translation, placed.rotation
+    place[..., 2] -= robot.foot_lift
+    return com, inertia, momentum, place, rotation
+
+
+def _of_soles(robot: Robot, rotation: Array) -> Array:
+    """(K, L, 4) attitudes of soles; of point feet, which have none, the identity."""
+    if len(robot.corners) > 1:
+        return quaternions(rotation)
+    none = np.zeros((*rotation.shape[:2], 4))
+    none[..., 0] = 1.0
+    return none
+
+
+def _resting(stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """(K, L) whether a foot stands before or after a knot, of (K, L) whether it does after it."""
+    before = np.concatenate([stands[:1], stands[:-1]])
+    rests: NDArray[np.bool_] = stands | before
+    return rests
+
+
+def _between(time: Array, known: Array, values: Array) -> Array:
+    flat = values.reshape(len(known), -1)
+    found = np.stack([np.interp(time, known, each) for each in flat.T], axis=1)
+    return found.reshape(len(time), *values.shape[1:])

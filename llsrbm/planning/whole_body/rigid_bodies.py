@@ -1,0 +1,248 @@
+"""A robot's kinematics and equations of motion as CasADi expressions: Newton-Euler over its URDF.
+
+Vectors are in the axes of the body that they belong to, those of the base in the base's. The base's
+place and velocity do not enter the dynamics, so they are left out of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.robots.robot import Robot
+from llsrbm.robots.urdf import BASE_JOINT
+
+Array = NDArray[np.float64]
+Mark = Callable[[Any], Any]  # of an intermediate quantity, as `llsrbm.ocp.lifting` does
+
+_ROUNDING = 1e-12  # of rotations in a URDF, which are mostly quarter turns
+
+
+class Mass(NamedTuple):
+    """Mass properties of a link."""
+
+    mass: float  # kg
+    com: Array  # (3,) m, from the joint
+    inertia: Array  # (3, 3) kg m2 about the CoM
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link and the joint that it hangs on.
+
+    Attributes:
+        parent: Pinocchio's index of the joint before; joint: the place among `joint_names`.
+        axis: (3,) of the joint; slides: whether it is a prismatic one.
+        rotation, origin: (3, 3) and (3,) m, of the joint at zero in the parent's axes.
+    """
+
+    parent: int
+    joint: int
+    axis: Array
+    slides: bool
+    rotation: Array
+    origin: Array
+    own: Mass
+
+
+class Foot(NamedTuple):
+    """A foot in motion; base axes, seen from the base's origin."""
+
+    position: Any  # (3,) m
+    velocity: Any  # (3,) m/s, in the world
+    rotation: Any  # (3, 3) to base axes
+    omega: Any  # (3,) rad/s, in the world
+
+
+class Effort(NamedTuple):
+    """Torques, and the force and moment that the base lacks; zero where the motion is possible."""
+
+    torque: Any  # (J,) Nm or N
+    force: Any  # (3,) N, base axes
+    moment: Any  # (3,) Nm about the base's origin, base axes
+
+
+class RigidBodies:
+    """A robot's links in a tree, with feet at the ends."""
+
+    def __init__(self, robot: Robot) -> None:
+        model, data = robot.model, robot.model.createData()
+        self.robot = robot
+        pin.computeJointJacobians(model, data, pin.neutral(model))
+        self._base = _mass(model, BASE_JOINT)
+        self._links = {
+            i: _link(model, data, i) for i in range(BASE_JOINT + 1, model.njoints)
+        }  # a parent comes before its children
+        frames = [model.frames[leg.foot_frame_id] for leg in robot.legs]
+        self._carries = [frame.parentJoint for frame in frames]
+        self._placed = [frame.placement for frame in frames]
+        # (L, c, 3) m: the contact points in the axes of the links that carry them; of balls their
+        # frames, which are above.
+        self._corners = np.array(
+            [[at.act(corner) for corner in robot.corners] for at in self._placed]
+        )
+
+    def feet(self, position: Any, velocity: Any, omega: Any, base_velocity: Any) -> list[Foot]:
+        """The motion of all feet.
+
+        Args:
+            position, velocity: (J,) of the joints.
+            omega, base_velocity: (3,) rad/s, m/s of the base's origin, base axes.
+        """
+        found = []
+        for carrier, placed in zip(self._carries, self._placed, strict=True):
+            R, p, w, v = ca.SX.eye(3), ca.SX.zeros(3), omega, base_velocity
+            for i in self._chain(carrier):
+                link = self._links[i]
+                turn, arm = _rotation(link, position), _arm(link, position)
+                p, R = p + ca.mtimes(R, arm), ca.mtimes(R, turn)
+                v, w = ca.mtimes(turn.T, v + cross(w, arm)), ca.mtimes(turn.T, w)
+                moves = ca.DM(link.axis) * velocity[link.joint]
+                v, w = (v + moves, w) if link.slides else (v, w + moves)
+            arm = ca.DM(placed.translation)
+            found.append(
+                Foot(
+                    position=p + ca.mtimes(R, arm),
+                    velocity=ca.mtimes(R, v + cross(w, arm)),
+                    rotation=ca.mtimes(R, _constant(placed.rotation)),
+                    omega=ca.mtimes(R, w),
+                )
+            )
+        return found
+
+    def inverse_dynamics(
+        self,
+        position: Any,
+        velocity: Any,
+        acceleration: Any,
+        omega: Any,
+        omega_rate: Any,
+        base_acceleration: Any,
+        up: Any,
+        forces: Mapping[int, Sequence[Any]],
+        mark: Mark = lambda quantity: quantity,
+    ) -> Effort:
+        """Torques of a motion under contact forces.
+
+        Args:
+            position, velocity, acceleration: (J,) of the joints.
+            omega, omega_rate: (3,) rad/s, rad/s2 of the base, base axes.
+            base_acceleration: (3,) m/s2 of the base's origin and upward gravity, base axes.
+            up: (3,) the world's upward direction, base axes.
+            forces: leg -> force on each of its contact points, (3,) N, base axes.
+            mark: called with intermediate quantities.
+        """
+        w, dw, a = {BASE_JOINT: omega}, {BASE_JOINT: omega_rate}, {BASE_JOINT: base_acceleration}
+        turns: dict[int, Any] = {}
+        arms: dict[int, Any] = {}
+        in_base: dict[int, Any] = {}
+        for i, link in self._links.items():
+            turn, arm, parent = _rotation(link, position), _arm(link, position), link.parent
+            turns[i], arms[i] = turn, arm
+            in_base[i] = turn if parent == BASE_JOINT else ca.mtimes(in_base[parent], turn)
+            axis = _constant(link.axis)
+            speed = axis * velocity[link.joint]
+            more = axis * acceleration[link.joint]
+            inward = cross(w[parent], cross(w[parent], arm))
+            carried = ca.mtimes(turn.T, a[parent] + cross(dw[parent], arm) + inward)
+            turning, turning_rate = ca.mtimes(turn.T, w[parent]), ca.mtimes(turn.T, dw[parent])
+            if link.slides:
+                w[i], dw[i] = mark(turning), mark(turning_rate)
+                a[i] = mark(carried + more + 2 * cross(w[i], speed))
+            else:
+                w[i] = mark(turning + speed)
+                dw[i] = mark(turning_rate + more + cross(w[i], speed))
+                a[i] = mark(carried)
+        force, moment = {}, {}
+        for i, own in ((BASE_JOINT, self._base), *((i, x.own) for i, x in self._links.items())):
+            force[i], moment[i] = _inertial(own, w[i], dw[i], a[i])
+        for leg, pushes in forces.items():
+            carrier = self._carries[leg]
+            below = ca.mtimes(in_base[carrier].T, up) * self.robot.foot_lift
+            for corner, push in zip(self._corners[leg], pushes, strict=True):
+                here = ca.mtimes(in_base[carrier].T, push)
+                force[carrier] -= here
+                moment[carrier] -= cross(ca.DM(corner) - below, here)
+        torque = [ca.SX(0)] * len(self._links)
+        for i, link in reversed(self._links.items()):
+            force[i], moment[i] = mark(force[i]), mark(moment[i])
+            torque[link.joint] = ca.dot(ca.DM(link.axis), force[i] if link.slides else moment[i])
+            handed = ca.mtimes(turns[i], force[i])
+            force[link.parent] += handed
+            moment[link.parent] += ca.mtimes(turns[i], moment[i]) + cross(arms[i], handed)
+        return Effort(ca.vertcat(*torque), force[BASE_JOINT], moment[BASE_JOINT])
+
+    def _chain(self, carrier: int) -> list[int]:
+        """Pinocchio's indices of the joints from the base to the link that carries a foot."""
+        chain = []
+        while carrier != BASE_JOINT:
+            chain.append(carrier)
+            carrier = self._links[carrier].parent
+        return chain[::-1]
+
+
+def cross(a: Any, b: Any) -> Any:
+    """Cross product, (3,)."""
+    return ca.vertcat(
+        a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+    )
+
+
+def _mass(model: pin.Model, joint: int) -> Mass:
+    own = model.inertias[joint]
+    return Mass(float(own.mass), np.array(own.lever), np.array(own.inertia))
+
+
+def _link(model: pin.Model, data: pin.Data, joint: int) -> Link:
+    """Of a joint whose Jacobian at zero is in the data."""
+    moves = pin.getJointJacobian(model, data, joint, pin.LOCAL)[:, model.idx_vs[joint]]
+    slides = bool(np.abs(moves[:3]).max() > 0.5)
+    axis = moves[:3] if slides else moves[3:]
+    placement = model.jointPlacements[joint]
+    return Link(
+        parent=int(model.parents[joint]),
+        joint=int(model.idx_vs[joint]) - 6,
+        axis=np.where(np.abs(axis) < _ROUNDING, 0.0, axis),
+        slides=slides,
+        rotation=np.array(placement.rotation),
+        origin=np.array(placement.translation),
+        own=_mass(model, joint),
+    )
+
+
+def _constant(values: Array) -> Any:
+    """A constant whose zeros are structural."""
+    return ca.sparsify(ca.SX(ca.DM(np.where(np.abs(values) < _ROUNDING, 0.0, values))))
+
+
+def _rotation(link: Link, position: Any) -> Any:
+    """(3, 3), from the link's axes to its parent's."""
+    if link.slides:
+        return _constant(link.rotation)
+    x, y, z = link.axis
+    along = _constant(np.outer(link.axis, link.axis))
+    across = _constant(np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]]))
+    s, c = ca.sin(position[link.joint]), ca.cos(position[link.joint])
+    turn = along + c * ca.sparsify(ca.SX.eye(3) - along) + s * across
+    return ca.mtimes(_constant(link.rotation), ca.sparsify(turn))
+
+
+def _arm(link: Link, position: Any) -> Any:
+    """(3,) m, from the parent's joint to the link's, parent's axes."""
+    if not link.slides:
+        return ca.DM(link.origin)
+    return ca.DM(link.origin) + ca.DM(link.rotation @ link.axis) * position[link.joint]
+
+
+def _inertial(own: Mass, w: Any, dw: Any, a: Any) -> tuple[Any, Any]:
+    """The force and the moment about the joint that a link's motion needs."""
+    com, inertia = ca.DM(own.com), ca.DM(own.inertia)
+    force = own.mass * (a + cross(dw, com) + cross(w, cross(w, com)))
+    spin = ca.mtimes(inertia, dw) + cross(w, ca.mtimes(inertia, w))
+    return force, spin + cross(com, force)

@@ -1,0 +1,245 @@
+"""Pairs of a robot's links that can meet, and their distances.
+
+Links can meet if they belong to bodies that are not neighbours, come near each other in random
+postures within the joints' stops, and do not touch in the default posture or in most of the others,
+as hulls do of links that lie in one another's hollows. A robot's file may add and exclude pairs
+(`llsrbm.robots.schema.LinkPairs`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import combinations
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
+from llsrbm.errors import RobotFileError
+from llsrbm.request.messages import choices
+from llsrbm.robots.robot import Robot
+from llsrbm.robots.shapes import Shape, link_shapes
+from llsrbm.robots.urdf import mesh_stamps
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Pair = tuple[str, str]  # names of links
+
+_SAMPLES = 4000  # random postures
+_NEAR = 0.03  # m: links that never come so near cannot meet
+_OFTEN = 0.5  # share of the postures: links that touch in more only seem to
+_WIDEST = np.pi  # rad to which joints without stops are turned
+_METHOD = "pairs 3"  # a new one makes cached pairs old
+
+
+@dataclass(frozen=True, eq=False)
+class LinkShapes:
+    """A robot's shapes, and P pairs of links that can meet."""
+
+    robot: Robot
+    shapes: tuple[Shape, ...]
+    pairs: tuple[Pair, ...]
+
+    @staticmethod
+    def of(robot: Robot) -> LinkShapes:
+        """A robot's.
+
+        Raises:
+            RobotFileError: its URDF's geometry cannot be read, or its file names links that have no
+                shapes.
+        """
+        return _of(robot)
+
+    def distances(self, postures: Array) -> Array:
+        """(..., P) m, negative where links are inside each other, in postures q (..., nq)."""
+        q = np.reshape(postures, (-1, self.robot.model.nq))
+        return self.near_distances(q, np.inf).reshape(*np.shape(postures)[:-1], -1)
+
+    def near_distances(self, postures: Array, within: float) -> Array:
+        """(T, P) m, as `distances` of q (T, nq); infinite of pairs not seen to be `within` (m)."""
+        found = np.full((len(postures), len(self.pairs)), np.inf)
+        place, measure = self._by_pinocchio()
+        for t, bounds in enumerate(self._bounds(postures)):
+            place(postures[t])
+            for k in np.flatnonzero(bounds < within):
+                pair = self.pair_of[k]
+                found[t, pair] = min(found[t, pair], measure(int(k)))
+        return found
+
+    def nearest(self, postures: Array) -> tuple[Array, Indices]:
+        """(T,) m, the smallest distance in postures q (T, nq), and (T,) its place in `pairs`.
+
+        Infinite, with -1, without pairs. Many times as fast as `distances`: pairs whose spheres
+        are farther apart than the least distance are not measured.
+        """
+        least, at = np.full(len(postures), np.inf), np.full(len(postures), -1)
+        place, measure = self._by_pinocchio()
+        for t, bounds in enumerate(self._bounds(postures)):
+            place(postures[t])
+            for k in np.argsort(bounds):
+                if bounds[k] >= least[t]:
+                    break
+                distance = measure(int(k))
+                if distance < least[t]:
+                    least[t], at[t] = distance, self.pair_of[k]
+        return least, at
+
+    def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
+        """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
+        model, geometry = self.robot.model, self.geometry
+        data, placed = model.createData(), geometry.createData()
+        request, result = coal.DistanceRequest(), coal.DistanceResult()
+        there = coal.Transform3s(placement.rotation, placement.translation)
+        links = [k for k, shape in enumerate(self.shapes) if not shape.foot]
+        least = np.full(len(postures), np.inf)
+        for t, q in enumerate(postures):
+            pin.updateGeometryPlacements(model, data, geometry, placed, q)
+            for k in links:
+                here = coal.Transform3s(placed.oMg[k].rotation, placed.oMg[k].translation)
+                result.clear()
+                link = geometry.geometryObjects[k].geometry
+                least[t] = min(least[t], coal.distance(link, here, shape, there, request, result))
+        return least
+
+    @cached_property
+    def geometry(self) -> pin.GeometryModel:
+        """Pinocchio's, the shapes in their order; its K pairs are the shapes of `pairs`."""
+        model = pin.GeometryModel()
+        for k, shape in enumerate(self.shapes):
+            placement = pin.SE3(shape.rotation, shape.centre)
+            geometry = shape.geometry()
+            model.addGeometryObject(
+                pin.GeometryObject(f"{shape.link}/{k}", shape.joint, placement, geometry)
+            )
+        for one, other in self.shape_pairs:
+            model.addCollisionPair(pin.CollisionPair(one, other))
+        return model
+
+    @cached_property
+    def pair_of(self) -> Indices:
+        """(K,) place in `pairs` of each of the geometry's pairs."""
+        place = {frozenset(pair): k for k, pair in enumerate(self.pairs)}
+        links = [shape.link for shape in self.shapes]
+        return np.array(
+            [place[frozenset((links[one], links[other]))] for one, other in self.shape_pairs],
+            dtype=np.int64,
+        )
+
+    @cached_property
+    def shape_pairs(self) -> list[tuple[int, int]]:
+        """(K,) places of two in `shapes` whose links are one of `pairs`."""
+        wanted = {frozenset(pair) for pair in self.pairs}
+        links = [shape.link for shape in self.shapes]
+        return [
+            (one, other)
+            for one in range(len(links))
+            for other in range(one + 1, len(links))
+            if frozenset((links[one], links[other])) in wanted
+        ]
+
+    def _by_pinocchio(self) -> tuple[Callable[[Array], None], Callable[[int], float]]:
+        """To place the shapes in a posture, and to measure one of the geometry's pairs there."""
+        model, geometry = self.robot.model, self.geometry
+        data, placed = model.createData(), geometry.createData()
+
+        def place(q: Array) -> None:
+            pin.updateGeometryPlacements(model, data, geometry, placed, q)
+
+        def measure(pair: int) -> float:
+            return float(pin.computeDistance(geometry, placed, pair).min_distance)
+
+        return place, measure
+
+    def _bounds(self, postures: Array) -> Array:
+        """(T, K) m: what the distance of each of the geometry's pairs is at least."""
+        model, data = self.robot.model, self.robot.model.createData()
+        joints = [shape.joint for shape in self.shapes]
+        centre, radius = self._spheres
+        rotation = np.empty((len(postures), len(joints), 3, 3))
+        origin = np.empty(rotation.shape[:-1])
+        for t, q in enumerate(postures):
+            pin.forwardKinematics(model, data, q)
+            moved = [data.oMi[joint] for joint in joints]
+            rotation[t] = [placement.rotation for placement in moved]
+            origin[t] = [placement.translation for placement in moved]
+        centres = origin + np.einsum("tsij,sj->tsi", rotation, centre)
+        one, other = np.reshape(np.array(self.shape_pairs, dtype=np.int64), (-1, 2)).T
+        apart = np.linalg.norm(centres[:, one] - centres[:, other], axis=-1)
+        bounds: Array = apart - radius[one] - radius[other]
+        return bounds
+
+    @cached_property
+    def _spheres(self) -> tuple[Array, Array]:
+        """Around each shape: centre (S, 3) m in its joint's frame, radius (S,) m."""
+        centres, radii = [], []
+        for placed in self.geometry.geometryObjects:
+            placed.geometry.computeLocalAABB()
+            centres.append(placed.placement.act(placed.geometry.aabb_center))
+            radii.append(placed.geometry.aabb_radius)
+        return np.array(centres), np.array(radii)
+
+
+@lru_cache(maxsize=16)
+def _of(robot: Robot) -> LinkShapes:
+    shapes = link_shapes(robot)
+    stated = robot.file.link_pairs
+    links = sorted({shape.link for shape in shapes})
+    for key, pairs in (("add", stated.add), ("exclude", stated.exclude)):
+        for link in (link for pair in pairs for link in pair):
+            if link not in links:
+                raise RobotFileError(
+                    f'{robot.path}: link_pairs.{key}: no link "{link}" of {robot.urdf_path} has a '
+                    f"shape; {choices(link, links)}"
+                )
+    excluded = {frozenset(pair) for pair in stated.exclude}
+    found = {frozenset(pair): pair for pair in (*_that_can_meet(robot, shapes), *stated.add)}
+    kept = [pair for both, pair in found.items() if both not in excluded]
+    return LinkShapes(robot, shapes, tuple(kept))
+
+
+def _that_can_meet(robot: Robot, shapes: tuple[Shape, ...]) -> list[Pair]:
+    """Found by random postures, or taken from the cache."""
+    posture = " ".join(repr(float(angle)) for angle in robot.posture[7:])
+    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
+    key = content_key(_METHOD, robot.urdf_path.read_bytes(), posture, *stamps)
+    path = cache_path(f"link-pairs-{robot.name}", key, ".npz")
+    stored = read_arrays(path)
+    if stored is None:
+        pairs = _found(robot, shapes)
+        write_arrays(path, {"pairs": np.reshape(np.array(pairs, dtype=str), (-1, 2))})
+        return pairs
+    return [(str(one), str(other)) for one, other in stored["pairs"]]
+
+
+def _found(robot: Robot, shapes: tuple[Shape, ...]) -> list[Pair]:
+    joint = {shape.link: shape.joint for shape in shapes}
+    parents = robot.model.parents
+    apart = [
+        (one, other)
+        for one, other in combinations(joint, 2)
+        if joint[one] != joint[other]
+        and parents[joint[one]] != joint[other]
+        and parents[joint[other]] != joint[one]
+    ]
+    every = LinkShapes(robot, shapes, tuple(apart))
+    postures = np.concatenate([robot.posture[None], _random_postures(robot)])
+    least = every.near_distances(postures, _NEAR)
+    touching = least < 0
+    meet = (least < _NEAR).any(axis=0) & ~touching[0] & (touching.mean(axis=0) < _OFTEN)
+    return [pair for pair, can in zip(apart, meet, strict=True) if can]
+
+
+def _random_postures(robot: Robot) -> Array:
+    """(n, nq) joints anywhere within their stops, the base at rest."""
+    model = robot.model
+    low, high = (
+        np.clip(limit[7:], -_WIDEST, _WIDEST)
+        for limit in (model.lowerPositionLimit, model.upperPositionLimit)
+    )
+    postures = np.tile(robot.posture, (_SAMPLES, 1))
+    postures[:, 7:] = np.random.default_rng(0).uniform(low, high, (_SAMPLES, len(low)))
+    return postures

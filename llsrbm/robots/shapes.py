@@ -1,0 +1,224 @@
+"""Convex shapes of a robot's links: boxes, cylinders, spheres and hulls of a few points.
+
+They are the URDF's collision shapes; of a mesh its convex hull. A body without any (Go2's front
+hips, SLIDER's legs) has its visual shapes, treated alike, and so has a sole of which the URDF knows
+only the spheres that it stands on. Shins end in the middle of their foot's ball.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+
+from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
+from llsrbm.robots.feet import collision_shapes, foot_contacts
+from llsrbm.robots.robot import Leg, Robot
+from llsrbm.robots.urdf import mesh_stamps, visual_geometry
+
+Array = NDArray[np.float64]
+
+Kind = Literal["sphere", "box", "cylinder", "hull"]
+
+_LOSS = 1e-3  # m of a mesh outside the hull that stands for it
+_DIAGONALS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+_METHOD = "shapes 3"  # a new one makes cached shapes old
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A convex shape of a link.
+
+    Attributes:
+        link: name in the URDF; joint: Pinocchio's index of the one that moves it.
+        size: (3,) m: radius of a sphere; half lengths of a box; radius and half length along z of a
+            cylinder; filled up with zeros.
+        rotation, centre: (3, 3), (3,) m: the shape's frame in that of the joint.
+        points: (n, 3) m, of a hull in the shape's frame.
+        foot: whether its link is one that stands on the ground.
+    """
+
+    link: str
+    joint: int
+    kind: Kind
+    size: Array
+    rotation: Array
+    centre: Array
+    points: Array
+    foot: bool
+
+    def geometry(self) -> coal.ShapeBase:
+        """The shape by coal."""
+        a, b, _ = (float(length) for length in self.size)
+        match self.kind:
+            case "sphere":
+                return coal.Sphere(a)
+            case "box":
+                return coal.Box(*(2.0 * self.size))
+            case "cylinder":
+                return coal.Cylinder(a, 2.0 * b)
+            case "hull":
+                points = coal.StdVec_Vec3s()
+                for point in self.points:
+                    points.append(point)
+                return coal.Convex.convexHull(points, False, "")
+
+
+@lru_cache(maxsize=16)
+def link_shapes(robot: Robot) -> tuple[Shape, ...]:
+    """All shapes of a robot's links, from the cache if its meshes were read before.
+
+    Raises:
+        RobotFileError: the URDF's geometry cannot be read.
+    """
+    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
+    if not stamps:
+        return _shapes(robot)
+    urdf = robot.urdf_path.read_bytes()
+    feet = repr((robot.file.foot, [leg.foot_frame for leg in robot.legs]))
+    path = cache_path(f"shapes-{robot.name}", content_key(_METHOD, urdf, feet, *stamps), ".npz")
+    stored = read_arrays(path)
+    if stored is not None:
+        return _decode(stored)
+    shapes = _shapes(robot)
+    write_arrays(path, _encode(shapes))
+    return shapes
+
+
+def _shapes(robot: Robot) -> tuple[Shape, ...]:
+    objects = collision_shapes(robot)
+    feet = [_foot_link(robot, leg, objects) for leg in robot.legs]
+    bare = set(range(1, robot.model.njoints)) - {shape.parentJoint for shape in objects}
+    if not robot.file.foot.is_point:
+        bare |= {robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs}
+    if bare:
+        visual = visual_geometry(robot.model, robot.urdf_path, robot.package_dirs, robot.path)
+        objects = [*objects, *(shape for shape in visual if shape.parentJoint in bare)]
+    balls = {} if not robot.file.foot.is_point else _balls(robot)
+    made = [_shape(robot, shape, feet) for shape in objects]
+    shapes = [shape for shape in made if shape is not None]
+    return tuple(
+        shape
+        if shape.foot or shape.joint not in balls
+        else _up_to_the_foot(shape, balls[shape.joint])
+        for shape in shapes
+    )
+
+
+def _up_to_the_foot(shape: Shape, ball: Array) -> Shape:
+    """The shape as far as the middle of its foot's ball: the ground meets the ball alone.
+
+    ANYmal's adapter reaches within 3 mm of the ball's end, Solo's shin within 1 mm.
+    """
+    if shape.kind == "cylinder":
+        radius, half, _ = shape.size
+        along = shape.rotation.T @ (ball - shape.centre)
+        height = float(along[2])
+        if np.hypot(*along[:2]) > radius or not half / 2 < abs(height) < half:
+            return shape
+        shift = np.sign(height) * (abs(height) - half) / 2
+        size = np.array([radius, (half + abs(height)) / 2, 0.0])
+        return replace(shape, size=size, centre=shape.centre + shift * shape.rotation[:, 2])
+    if shape.kind == "hull":
+        end = shape.rotation.T @ (ball - shape.centre)
+        outward = end - shape.points.mean(axis=0)
+        outward /= np.linalg.norm(outward)
+        beyond = np.maximum((shape.points - end) @ outward, 0.0)
+        return replace(shape, points=shape.points - beyond[:, None] * outward)
+    return shape
+
+
+def _balls(robot: Robot) -> dict[int, Array]:
+    """Middles (3,) m of point feet in the frames of the joints that move them."""
+    frames = [robot.model.frames[leg.foot_frame_id] for leg in robot.legs]
+    return {
+        int(frame.parentJoint): frame.placement.act(contact.centres[0])
+        for frame, contact in zip(frames, foot_contacts(robot), strict=True)
+    }
+
+
+def _foot_link(robot: Robot, leg: Leg, objects: list[pin.GeometryObject]) -> str:
+    """The link with shapes that carries the frame of a foot."""
+    frames = robot.model.frames
+    solid = {shape.parentFrame for shape in objects}
+    frame = leg.foot_frame_id
+    joint = frames[frame].parentJoint
+    while frame not in solid and frames[frames[frame].parentFrame].parentJoint == joint:
+        frame = frames[frame].parentFrame
+    return str(frames[frame].name)
+
+
+def _shape(robot: Robot, given: pin.GeometryObject, feet: list[str]) -> Shape | None:
+    geometry, link = given.geometry, str(robot.model.frames[given.parentFrame].name)
+    kind: Kind
+    size, points = np.zeros(3), np.empty((0, 3))
+    match geometry:
+        case coal.Sphere():
+            kind, size[0] = "sphere", geometry.radius
+        case coal.Box():
+            kind, size = "box", np.array(geometry.halfSide)
+        case coal.Cylinder():
+            kind, size[:2] = "cylinder", (geometry.radius, geometry.halfLength)
+        case coal.BVHModelBase():
+            kind, points = "hull", _outermost(np.array(geometry.vertices()))
+        case _:
+            return None
+    return Shape(
+        link=link,
+        joint=int(given.parentJoint),
+        kind=kind,
+        size=size,
+        rotation=np.array(given.placement.rotation),
+        centre=np.array(given.placement.translation),
+        points=points,
+        foot=link in feet,
+    )
+
+
+def _outermost(points: Array) -> Array:
+    """Few of a mesh's points, whose hull leaves none of the others out by more than `_LOSS`."""
+    corners = points[ConvexHull(points, qhull_options="QJ").vertices]
+    ends = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS])
+    kept = np.unique((corners @ ends.T).argmax(axis=0))
+    while True:
+        faces = ConvexHull(corners[kept], qhull_options="QJ").equations
+        outside = corners @ faces[:, :3].T + faces[:, 3]
+        farthest = np.unique(outside.argmax(axis=0)[outside.max(axis=0) > _LOSS])
+        more = np.union1d(kept, farthest)
+        if len(more) == len(kept):
+            return corners[kept]
+        kept = more
+
+
+def _encode(shapes: tuple[Shape, ...]) -> dict[str, NDArray[np.generic]]:
+    return {
+        "link": np.array([shape.link for shape in shapes]),
+        "joint": np.array([shape.joint for shape in shapes]),
+        "kind": np.array([shape.kind for shape in shapes]),
+        "size": np.array([shape.size for shape in shapes]),
+        "rotation": np.array([shape.rotation for shape in shapes]),
+        "centre": np.array([shape.centre for shape in shapes]),
+        "points": np.concatenate([shape.points for shape in shapes]),
+        "count": np.array([len(shape.points) for shape in shapes]),
+        "foot": np.array([shape.foot for shape in shapes]),
+    }
+
+
+def _decode(stored: dict[str, NDArray[np.generic]]) -> tuple[Shape, ...]:
+    points = np.split(stored["points"], np.cumsum(stored["count"])[:-1])
+    rows = zip(
+        *(stored[key] for key in ("link", "joint", "kind", "size", "rotation", "centre")),
+        points,
+        stored["foot"],
+        strict=True,
+    )
+    return tuple(
+        Shape(str(link), int(joint), str(kind), size, rotation, centre, corners, bool(foot))  # type: ignore[arg-type]
+        for link, joint, kind, size, rotation, centre, corners, foot in rows
+    )

@@ -1,0 +1,82 @@
+"""The certificate of what is shown: made once, when it is asked for, in a process."""
+
+import pytest
+
+from app.link import CertificateAsked
+from app.panel.acts import Act
+from app.panel.certificate import certificate_table
+from app.tab.acts import is_enabled
+from app.tab.effects import Queue
+from app.workers.protocol import Cancelled, Checked, CheckMotion, Failed
+from llsrbm.certificate import Certificate
+from tests.app.planners import CERTIFICATE
+from tests.app.pure_tab import PureTab, planned_tab
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+@pytest.mark.parametrize("event", [Act.CHECK, CertificateAsked()])
+def test_the_verdict_and_the_button_ask_for_it_once(tab, event):
+    assert is_enabled(Act.CHECK, tab.state)
+    tab.take(event)
+    assert (tab.one.queue, type(tab.one.task)) == (Queue.CHECK, CheckMotion)
+    assert tab.one.task.motion is tab.state.plan
+    assert tab.state.check.note == "Checking ..."
+    assert not is_enabled(Act.CHECK, tab.state)
+    assert tab.take(event) == ()
+    tab.report(Checked(0, CERTIFICATE))
+    assert (tab.state.check.certificate, tab.state.check.note) == (CERTIFICATE, "")
+    assert tab.take(event) == ()
+
+
+def test_a_simulation_has_its_own(tab):
+    tab.take(Act.CHECK)
+    old = tab.one
+    tab.take(Act.SIMULATE)
+    tab.finish_simulation()
+    assert is_enabled(Act.CHECK, tab.state)
+    tab.take(Act.CHECK)
+    assert tab.one.task.motion is tab.state.rollout
+    tab.report(Checked(0, CERTIFICATE), submit=old)  # too late
+    assert tab.state.check.certificate is None
+
+
+def test_what_fails_says_so_and_what_is_given_up_can_be_asked_for_again(tab):
+    tab.take(Act.CHECK)
+    tab.report(Failed(0, "no such robot"))
+    assert tab.state.check.note == "Not checked: no such robot"
+    tab = planned_tab()
+    tab.take(Act.CHECK)
+    tab.report(Cancelled(0))
+    assert is_enabled(Act.CHECK, tab.state)
+
+
+def test_exports_carry_it(tab):
+    tab.take(Act.EXPORT)
+    assert tab.one.task.trajectory.certificate is None
+    tab.take(Act.CHECK)
+    tab.report(Checked(0, CERTIFICATE))
+    tab.take(Act.EXPORT)
+    assert tab.one.task.trajectory.certificate == CERTIFICATE.as_dict()
+
+
+def test_without_a_plan_there_is_nothing_to_check():
+    tab = PureTab()
+    assert not is_enabled(Act.CHECK, tab.state)
+    assert tab.take(CertificateAsked()) == ()
+
+
+def test_the_table_has_every_finding_and_the_instant_to_look_at():
+    table = certificate_table(CERTIFICATE, "plan")
+    assert "1 check of the plan does not hold." in table
+    assert "116.4 %" in table
+    assert "30.1 rad/s" in table
+    assert 'data-seek="0.7400"' in table
+    assert "0.4 mm" in table
+    assert "10.0 mm" in table
+    assert "pushes act beside the contacts" in table
+    held = certificate_table(Certificate(CERTIFICATE.findings[1:2]), "simulation")
+    assert "All checks of the simulation hold." in held

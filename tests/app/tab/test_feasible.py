@@ -1,0 +1,74 @@
+"""The tint of the sliders: what is sent to the page, and what a tab learns."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from app.tab.feasible import Tint
+from app.workers.protocol import Refused
+from llsrbm.atlas.feasible import feasible_of
+from llsrbm.request.tuning import Tuning
+from tests.app.pure_tab import plan_of, planned_tab
+
+WEAK = Tuning(limits={"torque_share": 0.4})
+SLIDERS = {name: f"id of {name}" for name in ("twist", "forward", "lateral", "height")}
+
+
+class Page:
+    def __init__(self):
+        self.shown = []
+
+    def tint(self, tracks):
+        self.shown.append(tracks)
+
+
+@pytest.fixture
+def tab():
+    return planned_tab()
+
+
+@pytest.fixture
+def page():
+    return Page()
+
+
+def test_tracks_are_sent_when_the_request_changes_and_only_then(tab, page):
+    tint = Tint(page, SLIDERS)
+    tint.draw(tab.state)
+    tint.draw(tab.state)
+    assert len(page.shown) == 1
+    assert set(page.shown[0]) == {*SLIDERS.values()}
+    assert "over the whole slider" in page.shown[0]["id of forward"]["text"]
+    tab.take(WEAK)
+    tint.draw(tab.state)
+    twist = page.shown[1]["id of twist"]
+    assert min(twist["chances"]) < 50 < max(twist["chances"]) <= 100
+    assert twist["text"].startswith("Can be planned from −")
+    tab.move(type="hops", hops=2)
+    tint.draw(tab.state)
+    assert page.shown[-1]["id of twist"] == {
+        "chances": [],
+        "text": "Which values can be planned is not known of this type of jump",
+    }
+
+
+def test_a_refusal_against_the_guess_is_learned_and_so_is_a_plan(tab):
+    robot = tab.state.robot
+    tab.move(twist=0.5)
+    tab.settle()
+    assert tab.state.feasible.get("anymal", feasible_of(robot)) is feasible_of(robot)
+    tab.take(WEAK)
+    tab.move(twist=math.pi, forward=0.5)
+    tab.settle()  # the planner of tests can do anything
+    learned = tab.state.feasible["anymal"]
+    assert len(learned.amounts) >= 1
+    tab.state = tab.state.forgetting()
+    tab.move(twist=0.1)
+    submit = tab.submits[-1]
+    refused = submit.task.jump
+    last = plan_of(refused, "not-converged")
+    tab.report(Refused(submit.ticket, refused, "no", last))
+    if not submit.task.patient:  # a hand may still be moving: it may yet be found
+        assert tab.state.feasible["anymal"] is learned

@@ -1,0 +1,37 @@
+"""The sliders' tracks in a real browser."""
+
+from __future__ import annotations
+
+import pytest
+
+from llsrbm.request.tuning import Tuning
+from tests.app.chromium import tab
+from tests.app.waits import wait_until
+
+pytestmark = pytest.mark.browser
+
+# Of the twist, the first slider: its sentence, what a screen reader says, and its track.
+TRACK = """() => {
+  const slider = document.querySelector(".mantine-Slider-root");
+  const track = slider.querySelector(".mantine-Slider-track");
+  return [slider.title, slider.querySelector("[role=slider]").getAttribute("aria-description"),
+    getComputedStyle(track, "::before").backgroundImage];
+}"""
+
+
+def put(page, tuning, words):
+    page.session._inbox.put(tuning)
+    wait_until(lambda: page.evaluate(TRACK)[0].startswith(words), words)
+    return page.evaluate(TRACK)
+
+
+def test_a_track_shows_and_says_what_can_be_planned(page):
+    title, said, drawn = put(page, Tuning(limits={"torque_share": 0.3}), "Can be planned from")
+    assert said == title
+    assert "repeating-linear-gradient" in drawn
+    tab(page, "Plots")  # viser makes the tab's elements anew, the sliders' stay
+    # Answers that come in meanwhile move its ends.
+    assert page.evaluate(TRACK)[0].startswith("Can be planned from")
+    _, _, drawn = put(page, Tuning(limits={"reach_max": 0.5}), "Which values")
+    assert drawn == "none"
+    put(page, Tuning(), "Can be planned")

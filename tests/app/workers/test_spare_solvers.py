@@ -1,0 +1,73 @@
+"""Solvers that will be wanted next are built by a process of their own."""
+
+from __future__ import annotations
+
+import math
+import subprocess
+import sys
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from app.workers import spare_solvers
+from app.workers.protocol import PlanJump
+from app.workers.worker import LibraryPlanner
+from llsrbm.planning.solve.planner import Planner
+from llsrbm.request.jump import Jump
+from tests.app.synthetic_plan import synthetic_plan
+
+JUMP = Jump(robot="go2", twist=math.radians(20), forward=0.05)
+
+
+@pytest.fixture
+def started(monkeypatch):
+    """Commands that were started, and how."""
+    commands = []
+    made = SimpleNamespace(
+        Popen=lambda command, **how: commands.append((command, how)), DEVNULL=subprocess.DEVNULL
+    )
+    monkeypatch.setattr(spare_solvers, "subprocess", made)
+    return commands
+
+
+@pytest.fixture
+def patient(monkeypatch):
+    """Priorities that were given up; those of the tests' process stay."""
+    nices = []
+    monkeypatch.setattr(spare_solvers, "os", SimpleNamespace(nice=nices.append))
+    return nices
+
+
+def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
+    built = []
+    monkeypatch.setattr(Planner, "prepare_nearest", lambda _, jump: built.append(jump))
+    monkeypatch.setattr(Planner, "plan", lambda _, jump, **how: jump)
+    monkeypatch.setattr(
+        "llsrbm.simulation.replanning.Replanning", lambda *numbers: built.append(numbers[0])
+    )
+    spare_solvers.build(JUMP)
+    ((command, how),) = started
+    assert command[:3] == [sys.executable, "-m", "app.workers.spare_solvers"]
+    # It outlives the process that started it, and reads nothing of its terminal.
+    assert how == {"stdin": subprocess.DEVNULL, "start_new_session": True}
+    spare_solvers.main(*command[3:])
+    assert built == [JUMP, JUMP]
+    assert patient == [spare_solvers.LEAST_PRIORITY]
+
+
+def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
+    monkeypatch.setattr(Planner, "has_nearest_built", lambda *_: False)
+    hurried = []
+
+    def plan(jump, *, patient, **how):
+        hurried.append(not patient)
+        return synthetic_plan(jump)
+
+    monkeypatch.setattr("llsrbm.plan", plan)
+    planner = LibraryPlanner()
+    for twist in (0.1, 0.2):
+        task = PlanJump(replace(JUMP, twist=twist), patient=False)
+        planner.plan(task, lambda *_, **__: None, lambda: False)
+    assert hurried == [True, True]
+    assert len(started) == 1

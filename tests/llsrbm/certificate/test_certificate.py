@@ -1,0 +1,68 @@
+"""Certificates of plans, foreign motions and the command that prints them."""
+
+import json
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm import cli
+from llsrbm.certificate import CHECKS
+from llsrbm.certificate.sampled_motion import SampledMotion
+
+FIELDS = {"worst", "limit", "unit", "where", "time_s", "holds", "allowed", "why"}
+
+
+@pytest.fixture(scope="module")
+def plan():
+    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.1), explains=False)
+
+
+def test_torques_are_those_that_the_plan_states_in_the_middle_of_intervals(plan):
+    motion = SampledMotion.of(plan)
+    middles = (plan.time[1:] + plan.time[:-1]) / 2
+    stance = ~plan.contact[:-1].any(axis=1)
+    at = np.searchsorted(motion.time, middles)
+    away = np.abs(motion.torque[at] - plan.joint_torque[:-1]).max(axis=1)
+    assert np.median(away[~stance]) < 0.2  # Nm of 45
+
+
+def test_a_plan_is_certified_by_one_call(plan):
+    certificate = llsrbm.certify(plan)
+    assert [found.name for found in certificate] == [check.name for check in CHECKS]
+    assert certificate["friction"].holds
+    assert certificate["friction"].limit == 0.5
+    assert all(set(found) == FIELDS for found in certificate.as_dict().values())
+    with pytest.raises(llsrbm.InputError, match="friction"):
+        certificate["frictoin"]
+
+
+def test_a_foreign_motion_has_no_forces_and_says_so(plan, tmp_path, capfd):
+    path = tmp_path / "motion.csv"
+    llsrbm.export(plan, path, "unitree-csv")
+    status = cli.main(["check", str(path), "--robot", "go2", "--fps", "60", "--json"])
+    result = json.loads(capfd.readouterr().out)
+    for name in ("joint_torque", "torque_at_speed", "friction", "contact_force", "dynamics"):
+        found = result["certificate"][name]
+        assert (found["worst"], found["holds"]) == (None, None)
+        assert "no" in found["why"]
+    assert result["certificate"]["joint_position"]["worst"] > 0
+    assert status == (1 if result["holds"] is False else 0)
+    assert result["holds"] is not True
+
+
+def test_the_table_and_the_exit_status(plan, tmp_path, capfd):
+    path = tmp_path / "plan.npz"
+    plan.save(path)
+    certificate = llsrbm.certify(plan)
+    assert cli.main(["check", str(path)]) == (1 if certificate.holds is False else 0)
+    out = capfd.readouterr().out.splitlines()
+    assert len(out) == len(CHECKS) + 2
+    assert out[0].split() == ["check", "worst", "allowed", "limit", "where", "time"]
+
+
+def test_what_is_no_motion_is_bad_input(tmp_path, capfd):
+    path = tmp_path / "plan.npz"
+    path.write_bytes(b"nothing")
+    assert cli.main(["check", str(path)]) == 2
+    assert len(capfd.readouterr().err.splitlines()) == 1

@@ -1,0 +1,104 @@
+"""Knees over what legs stand on, and legs side by side: by Pinocchio, and by the links' shapes."""
+
+from functools import cache
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.body.knee_room import knee_room, knee_width
+from llsrbm.body.trunk_and_knees import knee_joint
+from llsrbm.planning.problem.task import KNEE_MARGIN, LEGS_APART
+from llsrbm.planning.solve.planner import planner_for
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.robots.link_shapes import LinkShapes
+
+# Without the rows the knee of ANYmal's left hind leg comes to 67 mm above the box.
+JUMP = Jump(robot="anymal", twist=1.07, forward=-0.22, lateral=-0.07, height=0.27)
+
+
+@cache
+def planned(margin):
+    return planner_for("anymal", "llsrbm-plus").plan(JUMP, limits={"knee_margin": margin})
+
+
+def lowest_knee(plan, robot):
+    """(m) above the landing surface from touchdown on."""
+    data, landing = robot.model.createData(), np.flatnonzero(plan.phase == plan.phase[-1])[:-1]
+    heights = []
+    for k in landing:
+        q = np.concatenate(
+            [plan.base_position[k], np.roll(plan.base_quat[k], -1), plan.joint_position[k]]
+        )
+        pin.forwardKinematics(robot.model, data, q)
+        ids = [leg.joint_ids[knee_joint(robot)] for leg in robot.legs]
+        heights += [data.oMi[joint].translation[2] - JUMP.height for joint in ids]
+    return min(heights)
+
+
+def test_knees_keep_their_margin_over_a_box():
+    robot = load_robot("anymal")
+    room = knee_room(robot)
+    assert lowest_knee(planned(0.0), robot) < room + KNEE_MARGIN - 0.02  # the rows are needed
+    # The model puts the base a few millimetres off.
+    assert lowest_knee(planned(KNEE_MARGIN), robot) > room + KNEE_MARGIN - 5e-3
+
+
+@pytest.mark.parametrize("name", ["anymal", "anymal_c", "go2", "solo12"])
+def test_a_thigh_touches_what_is_as_far_below_its_knee_as_it_is_thick(name):
+    """A level surface below the knees of the default posture, by the shapes of thighs alone."""
+    robot = load_robot(name)
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.posture)
+    joint = knee_joint(robot)
+    knee = min(data.oMi[leg.joint_ids[joint]].translation[2] for leg in robot.legs)
+    shapes = LinkShapes.of(robot)
+    thighs = {leg.joint_ids[joint - 1] for leg in robot.legs}
+    floor = coal.Halfspace(np.array([0.0, 0.0, 1.0]), knee - knee_room(robot))
+    least = np.inf
+    for shape in shapes.shapes:
+        if shape.joint not in thighs:
+            continue
+        place = data.oMi[shape.joint] * pin.SE3(shape.rotation, shape.centre)
+        here = coal.Transform3s(place.rotation, place.translation)
+        request, result = coal.DistanceRequest(), coal.DistanceResult()
+        least = min(
+            least, coal.distance(shape.geometry(), here, floor, coal.Transform3s(), request, result)
+        )
+    assert -1e-3 < least < 0.02  # directions 10 degrees apart
+
+
+def test_robots_without_knees_have_no_such_limit():
+    assert knee_room(load_robot("slider")) == 0.0
+
+
+def test_legs_side_by_side_do_not_meet_in_flight():
+    """Without the rows the hind thighs of this jump were 32 mm inside each other."""
+    robot = load_robot("go2")
+    jump = Jump(robot="go2", twist=-1.59, forward=0.47, lateral=-0.29)
+    plan = planner_for("go2", "llsrbm-plus").plan(jump, explains=False)
+    q = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), plan.joint_position])
+    legs, thighs_and_shanks = LinkShapes.of(robot), ("thigh", "calf", "foot")
+    mine = [
+        k
+        for k, pair in enumerate(legs.pairs)
+        if all(name.endswith(thighs_and_shanks) for name in pair)
+        and {name[1] for name in pair} == {"L", "R"}
+    ]
+    assert mine
+    nearest = min(legs.distances(posture)[mine].min() for posture in q)
+    assert nearest > 0.005
+    # Knees and feet by Pinocchio, base axes.
+    data, joint, apart = robot.model.createData(), knee_joint(robot), []
+    for posture in q[plan.phase == 1]:
+        pin.framesForwardKinematics(robot.model, data, posture)
+        to_base = data.oMi[1].inverse()
+        for i, j in ((0, 1), (2, 3)):
+            pair = robot.legs[i], robot.legs[j]
+            knees = [to_base.act(data.oMi[leg.joint_ids[joint]].translation)[1] for leg in pair]
+            feet = [to_base.act(data.oMf[leg.foot_frame_id].translation)[1] for leg in pair]
+            apart += [knees[0] - knees[1], feet[0] - feet[1]]
+    least = 2 * knee_width(robot) + LEGS_APART
+    assert least - 5e-3 < min(apart) < least + 5e-3

@@ -1,0 +1,142 @@
+"""Refined plans against Pinocchio, on Go2; those of other robots and schedules are measured."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import llsrbm
+from llsrbm.body.efforts import efforts
+from llsrbm.certificate import certify
+from llsrbm.motion.sampling import resample
+from llsrbm.planning.whole_body import refine
+from llsrbm.planning.whole_body.grid import line
+from llsrbm.robots import load_robot
+
+
+@cache
+def plans():
+    """A centroidal plan and the refined one, and the robot."""
+    first = llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.3, twist=0.4))
+    return first, refine.refined(first), load_robot("go2")
+
+
+def motion():
+    first, _, _ = plans()
+    refiner = refine.refiner_of(first)
+    refiner.refine(first)
+    return refiner.last
+
+
+def test_it_converges_and_keeps_the_schedule():
+    first, second, _ = plans()
+    assert second.refined
+    assert not first.refined
+    assert second.refinement.iterations < 40
+    np.testing.assert_allclose(second.phase_start, first.phase_start, atol=1e-9)
+    assert max(v.amount for v in second.violations.values()) < 1e-3
+    assert (
+        np.abs(
+            second.base_position
+            - np.array([np.interp(second.time, first.time, x) for x in first.base_position.T]).T
+        ).max()
+        < 0.1
+    )
+
+
+def test_joints_stay_within_stops_and_drives():
+    _, second, robot = plans()
+    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    assert (second.joint_position > low - 1e-3).all()
+    assert (second.joint_position < high + 1e-3).all()
+    assert (np.abs(second.joint_velocity) < robot.speed_limit * 0.91).all()
+    assert (np.abs(second.joint_torque) < robot.torque_limit * 0.86).all()
+
+
+def test_the_base_needs_no_drive_in_the_middles_of_intervals():
+    _, second, robot = plans()
+    at = motion().at((second.time[1:] + second.time[:-1]) / 2)
+    np.testing.assert_allclose(at.force, second.contact_force[:-1], atol=1e-6)
+    found = efforts(robot, at.q, at.v, at.a, at.force)
+    assert np.abs(found[:, :6]).max() < 1e-3 * robot.mass * 9.81
+    np.testing.assert_allclose(found[:, 6:], second.joint_torque[:-1], atol=1e-6)
+
+
+def test_states_at_knots_are_what_accelerations_lead_to():
+    """Just before a knot the motion is as just after it, and velocities are its derivatives."""
+    _, _, robot = plans()
+    knots, step = motion(), 1e-6
+    time = knots.time[1:-1]
+    before, after = knots.at(time - 2e-9), knots.at(time)
+    np.testing.assert_allclose(before.q, after.q, atol=1e-3)
+    np.testing.assert_allclose(before.v, after.v, atol=5e-3)
+    inside = (knots.time[1:] + knots.time[:-1]) / 2 + 0.001
+    early, late = knots.at(inside - step), knots.at(inside + step)
+    moved = np.array(
+        [pin.difference(robot.model, a, b) for a, b in zip(early.q, late.q, strict=True)]
+    ) / (2 * step)
+    np.testing.assert_allclose(moved, knots.at(inside).v, atol=0.02)
+
+
+def test_sampled_torques_are_those_of_inverse_dynamics():
+    """At 1 kHz, from the plan alone, of its joints, forces and torques."""
+    _, second, robot = plans()
+    time = np.arange(0.0, second.duration, 1e-3)
+    sampled, at = resample(second, time), motion().at(time)
+    np.testing.assert_allclose(sampled.contact_force, at.force, atol=1e-6)
+    np.testing.assert_allclose(sampled.joint_position, at.q[:, 7:], atol=1e-5)
+    off = efforts(robot, at.q, at.v, at.a, at.force)[:, 6:] - sampled.joint_torque
+    off /= robot.torque_limit
+    assert np.sqrt(np.mean(off**2)) < 0.01
+    assert np.abs(off).max() < 0.08
+
+
+def test_its_certificate_finds_what_the_rows_promise_at_1_khz():
+    """By code that shares nothing with the planner, between knots too."""
+    _, second, _ = plans()
+    found = certify(second)
+    held = ("joint_position", "joint_speed", "joint_torque", "torque_at_speed", "friction")
+    for name in (*held, "contact_force", "slip", "self_distance", "dynamics"):
+        assert found[name].holds, found[name]
+    assert found["slip"].worst < 2e-3
+
+
+def test_feet_are_where_the_plan_has_them():
+    _, second, robot = plans()
+    data = robot.model.createData()
+    for k, place in enumerate(second.foot_position):
+        q = np.concatenate(
+            [second.base_position[k], second.base_quat[k, [1, 2, 3, 0]], second.joint_position[k]]
+        )
+        pin.framesForwardKinematics(robot.model, data, q)
+        for leg, expected in zip(robot.legs, place, strict=True):
+            found = data.oMf[leg.foot_frame_id].translation - [0, 0, robot.foot_lift]
+            np.testing.assert_allclose(found, expected, atol=3e-3)
+
+
+def test_its_file_says_so(tmp_path):
+    _, second, _ = plans()
+    second.save(tmp_path / "plan.npz")
+    again = llsrbm.load(tmp_path / "plan.npz")
+    assert again.refined
+    assert again.refinement == second.refinement
+    np.testing.assert_array_equal(again.joint_torque, second.joint_torque)
+
+
+def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
+    first, _, _ = plans()
+    monkeypatch.setattr(refine, "OPTIONS", replace(refine.OPTIONS, iterations=2))
+    kept = refine.refined(first)
+    assert not kept.refined
+    assert kept.refinement.status == "not-converged"
+    np.testing.assert_array_equal(kept.joint_position, first.joint_position)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_lines_are_integrated(share):
+    """Of the line 2 + 3 s."""
+    nodes = np.array([2.75, 4.25])
+    expected = [2 + 3 * share, 2 * share + 1.5 * share**2, share**2 + 0.5 * share**3]
+    np.testing.assert_allclose(line(share) @ nodes, expected)

@@ -1,0 +1,152 @@
+"""Shapes of links, pairs that can meet, and distances that can be worked out by hand."""
+
+import coal
+import numpy as np
+import pinocchio as pin
+import pytest
+from scipy.spatial import ConvexHull
+
+from llsrbm.errors import RobotFileError
+from llsrbm.robots import load_robot
+from llsrbm.robots.feet import collision_shapes, foot_contacts
+from llsrbm.robots.link_shapes import LinkShapes
+from llsrbm.robots.schema import robot_files
+from llsrbm.robots.shapes import link_shapes
+
+A1 = robot_files()["a1"].read_text()
+
+
+def _pair(shapes, one, other):
+    return next(k for k, pair in enumerate(shapes.pairs) if set(pair) == {one, other})
+
+
+@pytest.mark.parametrize("name", ["a1", "anymal", "go2", "slider"])
+def test_every_body_has_a_shape_and_no_pair_touches_at_rest(name):
+    robot = load_robot(name)
+    shapes = LinkShapes.of(robot)
+    assert {shape.joint for shape in shapes.shapes} == set(range(1, robot.model.njoints))
+    assert len({frozenset(pair) for pair in shapes.pairs}) == len(shapes.pairs) > 0
+    assert shapes.distances(robot.posture).min() > 0
+    joint = {shape.link: shape.joint for shape in shapes.shapes}
+    for one, other in shapes.pairs:
+        a, b = joint[one], joint[other]
+        assert a != b
+        assert robot.model.parents[a] != b
+        assert robot.model.parents[b] != a
+
+
+def test_feet_of_both_sides_can_meet_and_a_thigh_cannot_meet_its_own_hip():
+    pairs = {frozenset(pair) for pair in LinkShapes.of(load_robot("a1")).pairs}
+    assert frozenset(("FL_foot", "FR_foot")) in pairs
+    assert frozenset(("FL_calf", "RL_calf")) in pairs
+    assert frozenset(("FL_hip", "FL_thigh")) not in pairs
+
+
+def test_the_distance_of_two_balls_is_that_of_their_centres_less_their_radii():
+    robot = load_robot("a1")
+    shapes = LinkShapes.of(robot)
+    found = shapes.distances(robot.posture)[_pair(shapes, "FL_foot", "FR_foot")]
+    radius = 0.02
+    assert found == pytest.approx(
+        np.linalg.norm(robot.feet[0] - robot.feet[1]) - 2 * radius, abs=1e-6
+    )
+
+
+def test_links_inside_each_other_have_a_negative_distance():
+    robot = load_robot("a1")
+    shapes = LinkShapes.of(robot)
+    pair = _pair(shapes, "FL_foot", "FR_foot")
+    inward = np.tile(robot.posture, (40, 1))
+    for leg, sign in ((0, -1), (1, 1)):
+        inward[:, robot.legs[leg].q_index[0]] += sign * np.linspace(0.0, 0.8, 40)
+    found = shapes.distances(inward)[:, pair]
+    assert found[0] > 0.1
+    assert found.min() < -0.02  # the balls are 0.04 m wide
+
+
+def test_the_nearest_pair_is_the_least_of_all_distances():
+    robot = load_robot("anymal")
+    shapes = LinkShapes.of(robot)
+    postures = np.tile(robot.posture, (30, 1))
+    postures[:, 7:] += np.random.default_rng(3).normal(scale=0.6, size=(30, 12))
+    every = shapes.distances(postures)
+    least, at = shapes.nearest(postures)
+    assert every.shape == (30, len(shapes.pairs))
+    assert least == pytest.approx(every.min(axis=1), abs=1e-5)
+    assert every[np.arange(30), at] == pytest.approx(least, abs=1e-5)
+    assert least.min() < 0 < least.max()
+
+
+def test_distances_do_not_depend_on_where_the_base_is():
+    robot = load_robot("slider")
+    shapes = LinkShapes.of(robot)
+    moved = robot.posture.copy()
+    moved[:3] += (3.0, -2.0, 1.0)
+    moved[3:7] = np.array([0.1, 0.5, -0.3, 0.8]) / np.linalg.norm([0.1, 0.5, -0.3, 0.8])
+    assert shapes.distances(moved) == pytest.approx(shapes.distances(robot.posture), abs=1e-5)
+
+
+def test_a_mesh_is_a_hull_of_few_points_that_loses_little_more_than_a_millimetre():
+    robot = load_robot("go2")
+    hulls = [shape for shape in link_shapes(robot) if shape.kind == "hull"]
+    meshes = collision_shapes(robot)
+    for hull, mesh in zip(hulls, meshes, strict=False):
+        vertices = np.array(mesh.geometry.vertices())
+        planes = ConvexHull(hull.points).equations
+        assert (vertices @ planes[:, :3].T + planes[:, 3]).max() < 1.5e-3
+        assert len(hull.points) <= 150
+
+
+def test_a_foots_link_is_known_as_one():
+    for name, links in {
+        "go2": {"FL_foot", "FR_foot", "RL_foot", "RR_foot"},
+        "slider": {"left_foot", "right_foot"},
+    }.items():
+        assert {shape.link for shape in link_shapes(load_robot(name)) if shape.foot} == links
+
+
+@pytest.mark.parametrize("name", ["a1", "anymal", "anymal_c", "go1", "go2", "solo12"])
+def test_the_ground_meets_the_ball_before_the_shin(name):
+    """A robot stands on balls that are a fifth flattened, and no other link is as low."""
+    robot = load_robot(name)
+    lowest = min(robot.feet[:, 2]) - 0.8 * foot_contacts(robot)[0].radius
+    ground = coal.Halfspace(np.array([0.0, 0.0, 1.0]), float(lowest))
+    there = pin.SE3.Identity()
+    assert LinkShapes.of(robot).clearance(robot.posture[None], ground, there)[0] > 0
+
+
+def test_shapes_and_pairs_from_the_cache_are_those_that_were_made(tmp_path, monkeypatch):
+    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
+    path = tmp_path / "go2.toml"
+    path.write_text(robot_files()["go2"].read_text())
+    made = LinkShapes.of(load_robot(str(path)))
+    path.write_text(path.read_text() + "\n")  # another object, the same key
+    again = LinkShapes.of(load_robot(str(path)))
+    assert again is not made
+    assert again.pairs == made.pairs
+    for one, other in zip(made.shapes, again.shapes, strict=True):
+        assert (one.link, one.joint, one.kind, one.foot) == (
+            other.link,
+            other.joint,
+            other.kind,
+            other.foot,
+        )
+        assert np.array_equal(one.points, other.points)
+
+
+def test_a_file_adds_and_excludes_pairs(tmp_path):
+    path = tmp_path / "a1.toml"
+    path.write_text(
+        f'{A1}\n[link_pairs]\nadd = [["trunk", "FL_hip"]]\nexclude = [["FR_foot", "FL_foot"]]\n'
+    )
+    before = {frozenset(pair) for pair in LinkShapes.of(load_robot("a1")).pairs}
+    after = {frozenset(pair) for pair in LinkShapes.of(load_robot(str(path))).pairs}
+    assert after - before == {frozenset(("trunk", "FL_hip"))}
+    assert before - after == {frozenset(("FL_foot", "FR_foot"))}
+
+
+def test_a_link_that_is_not_there_is_named(tmp_path):
+    path = tmp_path / "a1.toml"
+    path.write_text(f'{A1}\n[link_pairs]\nadd = [["trunk", "FL_shin"]]\n')
+    with pytest.raises(RobotFileError, match=r'link_pairs\.add: no link "FL_shin"'):
+        LinkShapes.of(load_robot(str(path)))
