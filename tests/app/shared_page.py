@@ -48,6 +48,7 @@ _AT_REST = """() => {
   document.querySelectorAll(".mantine-Paper-root > .mantine-Paper-root[aria-expanded=true]")
     .forEach((title) => title.click());
   document.getElementById("llsrbm-dialog").close();
+  document.querySelector("#llsrbm-part [aria-label='Close the part']")?.click();
   const { player, camera, transport } = llsrbm;
   player.pause();
   player.setLoop(true);

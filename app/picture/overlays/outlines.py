@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
@@ -21,7 +22,6 @@ from llsrbm.planning.problem.placement import place_task
 
 _WIDE, _THICK = 0.012, 0.003  # m, of an edge
 _ABOVE = 0.004  # m; edges would flicker in the ground's own plane
-_STRAIGHT = 1e-8  # m2: twice the area of three points that count as one line
 
 
 class SupportPolygon(Overlay):
@@ -66,25 +66,15 @@ def edges(points: Array, standing: NDArray[np.bool_]) -> NDArray[np.int64]:
 
 
 def _hull(points: Array, among: NDArray[np.int64]) -> list[int]:
-    """Corners of the convex hull against the clock (Andrew's monotone chain)."""
-    order = [int(i) for i in among[np.lexsort(points[among].T[::-1])]]
-    places = points.tolist()
-
-    def left_of(a: int, b: int, c: int) -> bool:
-        (ax, ay), (bx, by), (cx, cy) = places[a], places[b], places[c]
-        return bool((bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > _STRAIGHT)
-
-    def chain(path: list[int]) -> list[int]:
-        corners: list[int] = []
-        for point in path:
-            while len(corners) > 1 and not left_of(corners[-2], corners[-1], point):
-                corners.pop()
-            corners.append(point)
-        return corners
-
-    if len(order) < 3:
-        return order
-    return chain(order)[:-1] + chain(order[::-1])[:-1]
+    """Corners of the convex hull against the clock; the two ends of points on one line."""
+    places = points[among]
+    if len(among) > 2:
+        try:
+            return [int(i) for i in among[ConvexHull(places).vertices]]
+        except QhullError:  # on one line
+            along = np.lexsort(places.T[::-1])
+            among = among[along[[0, -1]]]
+    return [int(i) for i in among]
 
 
 _RATE = 30.0  # regions/s
