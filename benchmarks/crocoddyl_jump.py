@@ -1,10 +1,11 @@
 """Crocoddyl's own jump of 30 cm with ANYmal, solved on request: a line in, JSON out.
 
-    python benchmarks/crocoddyl_jump.py [--forward] [--out FILE]
+    python benchmarks/crocoddyl_jump.py [--forward] [--solver fddp|box-fddp|csqp] [--out FILE]
 
 For an environment of its own (`interleaved.crocoddyl_python` makes it): it knows nothing of this
 project. A whole-body plan with a given sequence of contacts, from its example
-`quadrupedal_gaits_fwddyn.py`, sideways as there; 10 ms a knot. The motion is written as npz.
+`quadrupedal_gaits_fwddyn.py`, sideways as there; 10 ms a knot. The motion is written as npz. FDDP
+has no limits; BoxFDDP and mim_solvers' CSQP have the drives' torques as bounds of the controls.
 """
 
 from __future__ import annotations
@@ -16,18 +17,22 @@ import time
 
 import crocoddyl
 import example_robot_data
+import mim_solvers
 import numpy as np
 import pinocchio
 from crocoddyl.utils.quadruped import SimpleQuadrupedalGaitProblem
 
 FEET = ("LF_FOOT", "RF_FOOT", "LH_FOOT", "RH_FOOT")
 LENGTH = 0.3  # m
+TORQUE = 40.0  # Nm, of ANYmal's drives
+ITERATIONS = 100  # at most, all solvers
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--forward", action="store_true", help="in place of sideways")
     parser.add_argument("--out", help="npz for the last motion")
+    parser.add_argument("--solver", choices=SOLVERS, default="fddp")
     arguments = parser.parse_args()
     anymal = example_robot_data.load("anymal")
     gait = SimpleQuadrupedalGaitProblem(anymal.model, *FEET)
@@ -37,10 +42,11 @@ def main() -> None:
     print("ready", flush=True)
     for _ in sys.stdin:
         problem = gait.createJumpingProblem(x0, 0.15, length, 1e-2, 10, 20)
-        solver = crocoddyl.SolverFDDP(problem)
+        solver = SOLVERS[arguments.solver](problem)
+        problem = solver.problem
         start = time.perf_counter()
         xs = [x0] * (problem.T + 1)
-        converged = solver.solve(xs, problem.quasiStatic([x0] * problem.T), 100, False)
+        converged = solver.solve(xs, problem.quasiStatic([x0] * problem.T), ITERATIONS, False)
         seconds = time.perf_counter() - start
         if arguments.out:
             np.savez(arguments.out, **motion(anymal.model, solver))
@@ -48,7 +54,37 @@ def main() -> None:
         print(json.dumps(figures | {"converged": int(converged)}), flush=True)
 
 
-def motion(model: pinocchio.Model, solver: crocoddyl.SolverFDDP) -> dict[str, np.ndarray]:
+def box_fddp(problem: crocoddyl.ShootingProblem) -> crocoddyl.SolverBoxFDDP:
+    for action in problem.runningModels:
+        if action.nu:  # impulses have none
+            action.u_lb, action.u_ub = (sign * np.full(action.nu, TORQUE) for sign in (-1, 1))
+    return crocoddyl.SolverBoxFDDP(problem)
+
+
+def csqp(problem: crocoddyl.ShootingProblem) -> mim_solvers.SolverCSQP:
+    actions = [bounded(action) if action.nu else action for action in problem.runningModels]
+    return mim_solvers.SolverCSQP(
+        crocoddyl.ShootingProblem(problem.x0, actions, problem.terminalModel)
+    )
+
+
+def bounded(action: crocoddyl.IntegratedActionModelEuler) -> crocoddyl.IntegratedActionModelEuler:
+    own = action.differential
+    limits = crocoddyl.ConstraintModelManager(own.state, own.nu)
+    most = np.full(own.nu, TORQUE)
+    torque = crocoddyl.ResidualModelControl(own.state, own.nu)
+    limits.addConstraint(
+        "torque", crocoddyl.ConstraintModelResidual(own.state, torque, -most, most)
+    )
+    parts = own.state, own.actuation, own.contacts, own.costs, limits
+    inner = crocoddyl.DifferentialActionModelContactFwdDynamics(*parts, 0.0, True)
+    return crocoddyl.IntegratedActionModelEuler(inner, action.dt)
+
+
+SOLVERS = {"fddp": crocoddyl.SolverFDDP, "box-fddp": box_fddp, "csqp": csqp}
+
+
+def motion(model: pinocchio.Model, solver: crocoddyl.SolverAbstract) -> dict[str, np.ndarray]:
     """N intervals: velocities and torques of the joints, forces, feet; what the impacts give."""
     data = model.createData()
     frames = [model.getFrameId(name) for name in FEET]

@@ -17,7 +17,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 CHILD = Path(__file__).with_name("solve_child.py")
-CROCODDYL = ("crocoddyl==3.2.1", "pin==4.0.0", "example-robot-data")
+CROCODDYL = ("crocoddyl==3.2.1", "pin==4.0.0", "mim-solvers==0.3.0", "example-robot-data")
 # 90 deg, and 2 deg to the next; the biped's record, and 1 cm.
 ANYMAL = ("anymal", "48", "twist=1.5708", "0.0349")
 SLIDER = ("slider", "60", "forward=0.2", "height=0.35", "0.01")
@@ -135,9 +135,9 @@ def crocoddyl_python() -> Path:
     """The interpreter of an environment with Crocoddyl, made on its first use."""
     place = ROOT / "build" / "crocoddyl"
     python = place / "bin" / "python"
-    marker = place / "installed"
-    if not marker.exists():
+    marker, packages = place / "installed", "\n".join(CROCODDYL)
+    if not marker.exists() or marker.read_text() != packages:
         venv.create(place, with_pip=True)
         subprocess.run([str(python), "-m", "pip", "install", "--quiet", *CROCODDYL], check=True)
-        marker.touch()
+        marker.write_text(packages)
     return python

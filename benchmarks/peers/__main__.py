@@ -38,9 +38,14 @@ the postures that realise them, Crocoddyl's as it says.
   next, which no joint can follow. Its friction pyramid reaches out of the cone by up to 41 %.
 - **Crocoddyl** plans the whole body with a given sequence of contacts and given times, from its
   example of a jump (`createJumpingProblem`), 10 ms a knot. It has penalties in place of limits, an
-  impact at touchdown, and no problem of a twist; its free end is 10 knots after touchdown.
-- Looked for and left out: aligator, mim-solvers, Drake and casadi_horizon are on the package index,
-  but nobody has written this jump for them here; TOWR, OCS2, acados and hippopt are not on it.
+  impact at touchdown, and no problem of a twist; its free end is 10 knots after touchdown. FDDP
+  knows no limits; BoxFDDP and mim_solvers' CSQP bound the torques by the drives' 40 Nm, at any
+  speed, and are given 100 iterations.
+- **Refined** goes on from the row above it with the whole body's equations of motion, its time and
+  iterations are those of both stages, its torques those of the second.
+- Looked for and left out: Drake and casadi_horizon are on the package index, but nobody has written
+  this jump for them here; TOWR, OCS2, acados and hippopt are not on it, and the package of
+  aligator's name is another project.
 """
 
 

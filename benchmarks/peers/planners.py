@@ -18,6 +18,7 @@ from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.models import make_model
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.whole_body.refine import refined, refiner_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
@@ -44,24 +45,33 @@ class Answer:
 
 
 class Ours:
-    """This project's planner, from the analytic guess."""
+    """This project's planner, from the analytic guess; with the second stage where it refines."""
 
-    def __init__(self, model: str) -> None:
-        self.name = f"llsrbm, {model}"
-        self._model = model
+    def __init__(self, model: str, *, refines: bool = False) -> None:
+        self.name = f"llsrbm, {model}" + (", refined" if refines else "")
+        self._model, self._refines = model, refines
 
     def prepare(self) -> None:
         self._planner = planner_for("anymal", self._model, intervals=INTERVALS)
         wait_for_library(self._planner)
+        if self._refines:
+            first = self._planner.plan(llsrbm.Jump(robot="anymal", model=self._model))
+            refiner_of(first).solver.settle()
 
     def plan(self, twist: float, forward: float) -> Answer:
         jump = llsrbm.Jump(robot="anymal", model=self._model, twist=twist, forward=forward)
         plan = self._planner.plan(jump)
+        seconds, iterations = plan.report.solve_time_s, plan.report.iterations
+        if self._refines:
+            plan = refined(plan)
+            assert plan.refinement is not None
+            seconds += plan.refinement.solve_time_s
+            iterations += plan.refinement.iterations
         w, _, _, z = plan.base_quat[-1]
         return Answer(
-            seconds=plan.report.solve_time_s,
-            iterations=plan.report.iterations,
-            converged=plan.report.status == "solved",
+            seconds=seconds,
+            iterations=iterations,
+            converged=plan.report.status == "solved" and plan.refined == self._refines,
             turned=2 * float(np.arctan2(z, w)),
             moved=float(plan.com[-1, 0] - plan.com[0, 0]),
             motion=Motion.of_knots(self._planner.robot, KnotMotion.of_plan(plan)),
@@ -102,14 +112,15 @@ class Opti:
 class Crocoddyl:
     """Crocoddyl's own jump of ANYmal, in an environment of its own; it has no twist."""
 
-    name = "Crocoddyl 3.2.1"
+    def __init__(self, title: str, solver: str) -> None:
+        self.name, self._solver = f"Crocoddyl 3.2.1, {title}", solver
 
     def prepare(self) -> None:
         child = str(CHILD.with_name("crocoddyl_jump.py"))
         self._folder = tempfile.TemporaryDirectory(prefix="llsrbm-")
         self._file = Path(self._folder.name, "motion.npz")
         command = [str(crocoddyl_python()), child, "--forward", "--out", str(self._file)]
-        self._program = Program(command)
+        self._program = Program([*command, "--solver", self._solver])
         self._program.ready()
 
     def plan(self, twist: float, forward: float) -> Answer | None:
@@ -148,9 +159,12 @@ def _crocoddyls(robot: Robot, arrays: dict[str, np.ndarray]) -> Motion:
 
 PLANNERS = (
     Ours("llsrbm-plus"),
+    Ours("llsrbm-plus", refines=True),
     Ours("llsrbm"),
     Ours("srbm"),
     Opti("llsrbm"),
     Opti("srbm"),
-    Crocoddyl(),
+    Crocoddyl("FDDP", "fddp"),
+    Crocoddyl("BoxFDDP", "box-fddp"),
+    Crocoddyl("CSQP", "csqp"),
 )

@@ -67,7 +67,7 @@ class LinkShapes:
             place(postures[t])
             for k in np.flatnonzero(bounds < within):
                 pair = self.pair_of[k]
-                found[t, pair] = min(found[t, pair], measure(int(k)))
+                found[t, pair] = min(found[t, pair], measure(int(k)).min_distance)
         return found
 
     def nearest(self, postures: Array) -> tuple[Array, Indices]:
@@ -83,10 +83,58 @@ class LinkShapes:
             for k in np.argsort(bounds):
                 if bounds[k] >= least[t]:
                     break
-                distance = measure(int(k))
+                distance = measure(int(k)).min_distance
                 if distance < least[t]:
                     least[t], at[t] = distance, self.pair_of[k]
         return least, at
+
+    def soonest(self, postures: Array, count: int, within: float) -> tuple[Array, Array]:
+        """Shapes that joints would bring together soonest, in postures q (T, nq).
+
+        Of those of two legs, or of a leg and the base, the soonest alone.
+
+        Returns:
+            (T, count) m, infinite where no more are `within` (m); (T, count, J) m per rad or m:
+            derivatives of these by the joints.
+        """
+        model, data = self.robot.model, self.robot.model.createData()
+        least = np.full((len(postures), count), np.inf)
+        slopes = np.zeros((*least.shape, model.nv - 6))
+        place, measure = self._by_pinocchio()
+        for t, bounds in enumerate(self._bounds(postures)):
+            place(postures[t])
+            pin.computeJointJacobians(model, data, postures[t])
+            known: dict[tuple[int, int], tuple[float, float, Array]] = {}
+            for k in np.flatnonzero(bounds < within):
+                found = measure(int(k))
+                if found.min_distance >= within:
+                    continue
+                slope = self._slope(data, int(k), found)
+                turn = found.min_distance / np.linalg.norm(slope)  # by which they would meet
+                limbs = self._limbs[k]
+                if limbs not in known or turn < known[limbs][0]:
+                    known[limbs] = turn, found.min_distance, slope
+            for i, key in enumerate(sorted(known, key=lambda limbs: known[limbs][0])[:count]):
+                _, least[t, i], slopes[t, i] = known[key]
+        return least, slopes
+
+    @cached_property
+    def _limbs(self) -> list[tuple[int, int]]:
+        """(K,) places of the legs, -1 the base, that each of the geometry's pairs belongs to."""
+        legs = self.robot.legs
+        of = {joint: place for place, leg in enumerate(legs) for joint in leg.joint_ids}
+        limb = [of.get(shape.joint, -1) for shape in self.shapes]
+        return [(limb[one], limb[other]) for one, other in self.shape_pairs]
+
+    def _slope(self, data: pin.Data, pair: int, found: coal.DistanceResult) -> Array:
+        """(J,) derivatives of a distance; the data have the Jacobians."""
+        one, other = (self.shapes[place] for place in self.shape_pairs[pair])
+        moved = [
+            _point_jacobian(self.robot.model, data, shape.joint, point)
+            for shape, point in ((one, found.getNearestPoint1()), (other, found.getNearestPoint2()))
+        ]
+        slope: Array = found.normal @ (moved[1] - moved[0])
+        return slope[6:]
 
     def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
@@ -141,7 +189,9 @@ class LinkShapes:
             if frozenset((links[one], links[other])) in wanted
         ]
 
-    def _by_pinocchio(self) -> tuple[Callable[[Array], None], Callable[[int], float]]:
+    def _by_pinocchio(
+        self,
+    ) -> tuple[Callable[[Array], None], Callable[[int], coal.DistanceResult]]:
         """To place the shapes in a posture, and to measure one of the geometry's pairs there."""
         model, geometry = self.robot.model, self.geometry
         data, placed = model.createData(), geometry.createData()
@@ -149,8 +199,8 @@ class LinkShapes:
         def place(q: Array) -> None:
             pin.updateGeometryPlacements(model, data, geometry, placed, q)
 
-        def measure(pair: int) -> float:
-            return float(pin.computeDistance(geometry, placed, pair).min_distance)
+        def measure(pair: int) -> coal.DistanceResult:
+            return pin.computeDistance(geometry, placed, pair)
 
         return place, measure
 
@@ -181,6 +231,13 @@ class LinkShapes:
             centres.append(placed.placement.act(placed.geometry.aabb_center))
             radii.append(placed.geometry.aabb_radius)
         return np.array(centres), np.array(radii)
+
+
+def _point_jacobian(model: pin.Model, data: pin.Data, joint: int, point: Array) -> Array:
+    """(3, nv) of a point (3,) m of a body, world frame."""
+    jacobian = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.WORLD)
+    moved: Array = jacobian[:3] + np.cross(jacobian[3:], point, axisa=0, axisc=0)
+    return moved
 
 
 @lru_cache(maxsize=16)

@@ -151,6 +151,8 @@ class Limits(Table):
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
         torque_share, speed_share: shares of them that a plan may use; the rest is for feedback.
         stop_margin: what joints keep from either of the URDF's stops, a share of what lies between.
+        knee_margin: m that knees of standing legs keep from what the feet stand on.
+        legs_apart: m that legs side by side keep from each other in flight.
         friction: coefficient of friction; plans and the controller stay within the pyramid that is
             inscribed in its cone.
         foot_speed: largest foot speed in the world along each axis, m/s.
@@ -163,6 +165,8 @@ class Limits(Table):
     torque_share: Positive = 0.85
     speed_share: Positive = 0.9
     stop_margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.02
+    knee_margin: Annotated[float, Field(ge=0, le=0.1)] = 0.045
+    legs_apart: Annotated[float, Field(ge=0, le=0.2)] = 0.02
     friction: Positive
     foot_speed: Positive
     clearance: Length

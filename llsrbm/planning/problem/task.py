@@ -23,10 +23,6 @@ Array = NDArray[np.float64]
 # What trunk, knees and feet keep from what they clear, m: feet of simulated jumps are 2 cm lower
 # than planned where they cross a hurdle, and knees are thick.
 BODY_MARGIN = 0.04
-# What knees of standing legs keep from the ground, m: simulated legs bend as much deeper as they
-# land.
-KNEE_MARGIN = 0.045
-LEGS_APART = 0.02  # m that legs side by side keep from each other
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,8 +145,6 @@ class Task:
         obstacle: what is jumped over, if anything.
         clears: whether trunk and knees are kept clear of it, or of the ground.
         body_margin: m that they keep.
-        knee_margin: m that knees of standing legs keep from what the feet stand on.
-        legs_apart: m that legs side by side keep from each other.
         wanted: the request of which `jump` does less; None: `jump` is what was asked.
         displacement: what the jump type says of where each of several jumps leads; () nothing.
     """
@@ -181,8 +175,6 @@ class Task:
     wanted: Jump | None = None
     displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
-    knee_margin: float = KNEE_MARGIN
-    legs_apart: float = LEGS_APART
 
     @property
     def start_momentum(self) -> Array:

@@ -289,8 +289,6 @@ def placed(task: Task, jump: Jump) -> Task:
         timing=task.timing,
         foot=task.foot,
         body_margin=task.body_margin,
-        knee_margin=task.knee_margin,
-        legs_apart=task.legs_apart,
         correction=task.correction,
         agreed_bounds=task.agreed_bounds,
         wanted=task.wanted or task.jump,

@@ -17,6 +17,9 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 LOWER_FEET = 0.01  # m by which a foot in the air may be lower than planned
+# m that links keep in the air, as their distances change along straight lines from the plan's: 5 mm
+# for what is between knots, and 5 that certificates ask for.
+APART = 0.01
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
 
 
@@ -86,6 +89,8 @@ def _bounds(
         return robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     if name == "clearance":
         return np.concatenate(_lowest(robot, knot, start, k)), np.full(size, np.inf)
+    if name == "apart":
+        return APART - start.apart[k], np.full(size, np.inf)
     if name == "friction":
         return np.zeros(size), np.full(size, np.inf)
     most = {"speed": speed_share, "torque": torque_share, "drive": 1.0}[name]
@@ -118,6 +123,7 @@ def _parameters(grid: Grid, sizes: Sizes, start: Start) -> Array:
             own[f"{name}_{node}"][:-1] = motion[:, node]
     own["step"][:-1, 0] = start.step
     own["limits"][:] = start.limits
+    own["apart"][:] = start.apart_slope.reshape(len(values), -1)
     own["place"][:] = start.place[::2].reshape(len(values), -1)
     own["heading"][:] = start.heading.reshape(len(values), -1)
     return values.ravel()

@@ -41,6 +41,9 @@ WIDTHS = {
     "omega_rate": 30.0,
     "joint_acceleration": 200.0,
 }
+# By what a joint's acceleration may differ between the nodes for a cost of 1: equations of motion
+# hold at these, and elsewhere the less the straighter joints move.
+STEEP = 100.0
 TORQUE = 0.2  # cost of the whole torque of a drive
 DRIFT = 10.0  # 1/s: by how much of it a standing foot's drift falls
 MOMENT_ARM = 0.2  # m: moments count as forces with that arm
@@ -132,6 +135,7 @@ class _Stage:
             if leg not in knot.resting:
                 clearance.append(foot.height)
                 clearance += [foot.height + ca.dot(foot.up, ca.DM(c)) for c in self._corners]
+        slopes = ca.reshape(self.near["apart"], sizes.joints, sizes.near).T
         goal = [x["position"] - self.near["position"], self._turned]
         goal += [x[name] - self.near[name] for name in ("velocity", "omega")]
         found = {
@@ -140,6 +144,7 @@ class _Stage:
             "rest": [row for leg in knot.resting for row in feet[leg].rest],
             "landing": landing,
             "clearance": clearance,
+            "apart": [slopes @ (x["joint_position"] - self.near["joint_position"])],
             "goal": goal,
         }
         return [(name, ca.vertcat(*found[name])) for name in sizes.rows(knot)]
@@ -240,7 +245,9 @@ class _Stage:
             else:
                 force = self._mixed("force", line(share)[0])
                 found.append((name, _pyramid(force, mu * INSCRIBED) / self.sizes.unit_force))
-        return found, sum(costs) + TORQUE * sum(map(ca.sumsqr, loads))
+        steep = self.u[1]["joint_acceleration"] - self.u[0]["joint_acceleration"]
+        cost = sum(costs) + ca.sumsqr(steep / STEEP) + TORQUE * sum(map(ca.sumsqr, loads))
+        return found, cost
 
     def _at_node(self, node: int) -> tuple[Effort, Any]:
         """The effort at one of the nodes, and the cost of motion and forces there."""

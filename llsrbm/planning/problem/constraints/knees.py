@@ -14,14 +14,16 @@ from llsrbm.planning.problem.layout import Layout, Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
+_RISING = 1 / 3  # of the margin, in the first phase
 _ANYWHERE = -10.0  # m: a motion under way lands as it can, which is better than no plan
 
 
 class KneeHeight(Constraint):
-    """z_knee - z_foot >= thickness + margin, of legs that stand in the last phase.
+    """z_knee - z_foot >= thickness + margin, of legs that stand in the first or the last phase.
 
     The thickness is that of the thigh at its knee. In simulations legs bend deeper than planned as
-    they land: knees come up to 45 mm lower (Go2, ANYmal).
+    they land: knees come up to 45 mm lower (Go2), 70 mm (ANYmal); in the first phase a share of
+    the margin is enough.
     """
 
     name = "knee_height"
@@ -34,7 +36,7 @@ class KneeHeight(Constraint):
             "knees of standing legs keep higher above the ground and what is landed on",
             lowest=0.0,
             highest=0.1,
-            place=("knee_margin",),
+            place=("limits", "knee_margin"),
             lower_bound=True,
         ),
     )
@@ -44,8 +46,9 @@ class KneeHeight(Constraint):
         return knee_joint(task.robot) is not None
 
     def applies(self, role: Role) -> bool:
-        """Where a foot stands in the last phase: take-offs bend less, and rows cost time."""
-        return role.final and bool(role.standing) and not role.terminal and not role.initial
+        """Where a foot stands in the first or the last phase: others are short."""
+        outer = role.final or role.phase == 0
+        return outer and bool(role.standing) and not role.terminal and not role.initial
 
     def rows(self, stage: Stage) -> Any:
         """(standing, 1) m above the foot's contact point; none of robots without knees."""
@@ -59,11 +62,12 @@ class KneeHeight(Constraint):
         return ca.vertcat(*rows) if rows else ca.SX(0, 1)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """At least the thickness and the margin."""
+        """At least the thickness and the margin; anywhere as a body that turns over rises."""
         role = layout.roles[knot]
         rows = len(role.standing) if self.concerns(task) else 0
-        under_way = task.motion is not None
-        least = _ANYWHERE if under_way else knee_room(task.robot) + task.knee_margin
+        margin = task.limits.knee_margin * (1.0 if role.final else _RISING)
+        free = task.motion is not None or (layout.turns and not role.final)
+        least = _ANYWHERE if free else knee_room(task.robot) + margin
         return np.full(rows, least), np.full(rows, np.inf)
 
 
@@ -83,7 +87,7 @@ class LegsApart(Constraint):
             "legs stay further from each other in flight",
             lowest=0.0,
             highest=0.2,
-            place=("legs_apart",),
+            place=("limits", "legs_apart"),
             lower_bound=True,
         ),
     )
@@ -114,7 +118,9 @@ class LegsApart(Constraint):
         """At least both widths and the margin."""
         pairs = len(_side_by_side(task.robot.hips, layout.roles[knot]))
         rows = 2 * pairs if self.concerns(task) else 0
-        return np.full(rows, 2 * knee_width(task.robot) + task.legs_apart), np.full(rows, np.inf)
+        return np.full(rows, 2 * knee_width(task.robot) + task.limits.legs_apart), np.full(
+            rows, np.inf
+        )
 
 
 def _side_by_side(hips: Array, role: Role) -> list[tuple[int, int]]:

@@ -9,7 +9,6 @@ import pytest
 
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.planning.problem.task import KNEE_MARGIN, LEGS_APART
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -17,6 +16,9 @@ from llsrbm.robots.link_shapes import LinkShapes
 
 # Without the rows the knee of ANYmal's left hind leg comes to 67 mm above the box.
 JUMP = Jump(robot="anymal", twist=1.07, forward=-0.22, lateral=-0.07, height=0.27)
+
+
+MARGIN = load_robot("anymal").file.limits.knee_margin
 
 
 @cache
@@ -41,9 +43,9 @@ def lowest_knee(plan, robot):
 def test_knees_keep_their_margin_over_a_box():
     robot = load_robot("anymal")
     room = knee_room(robot)
-    assert lowest_knee(planned(0.0), robot) < room + KNEE_MARGIN - 0.02  # the rows are needed
+    assert lowest_knee(planned(0.0), robot) < room + MARGIN - 0.02  # the rows are needed
     # The model puts the base a few millimetres off.
-    assert lowest_knee(planned(KNEE_MARGIN), robot) > room + KNEE_MARGIN - 5e-3
+    assert lowest_knee(planned(MARGIN), robot) > room + MARGIN - 5e-3
 
 
 @pytest.mark.parametrize("name", ["anymal", "anymal_c", "go2", "solo12"])
@@ -100,5 +102,5 @@ def test_legs_side_by_side_do_not_meet_in_flight():
             knees = [to_base.act(data.oMi[leg.joint_ids[joint]].translation)[1] for leg in pair]
             feet = [to_base.act(data.oMf[leg.foot_frame_id].translation)[1] for leg in pair]
             apart += [knees[0] - knees[1], feet[0] - feet[1]]
-    least = 2 * knee_width(robot) + LEGS_APART
+    least = 2 * knee_width(robot) + robot.file.limits.legs_apart
     assert least - 5e-3 < min(apart) < least + 5e-3
