@@ -190,7 +190,7 @@ def foot_speed(plan):
 
 
 TWIST, FORWARD = {"twist": 1.6}, {"forward": 0.5}
-FAR = {"twist": 2.8, "height": 0.2}
+FAR = {"twist": 2.7, "height": 0.2}
 HIGH = {"height": 0.25, "forward": 0.2}
 SLOW = {"time": 0.01}  # otherwise phases are as short as they may be, and no longest one binds
 
@@ -215,7 +215,7 @@ BINDING = {
     "clearance": (FORWARD, {}, 0.15, highest_foot, 1e-3),
     "feet_apart": (TWIST, {}, 0.35, nearest_feet, 1e-3),
     "torque_share": (FORWARD, {}, 0.5, torque_share, 0.1),
-    "speed_share": (FORWARD, {}, 0.5, speed_share, 0.05),
+    "speed_share": (FORWARD, {}, 0.55, speed_share, 0.05),
     "reach_standing": (FORWARD, {}, 0.9, lowest_hips, 1e-3),
 }
 
