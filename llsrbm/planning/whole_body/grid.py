@@ -188,11 +188,12 @@ class Sizes:
             "heading": 2 * self.legs,
             "limits": 3,
             "apart": self.near * self.joints,
+            "apart_in_middle": self.near * self.joints,
         }
 
     @property
     def near(self) -> int:
-        """How many of the nearest pairs of links are kept apart at a knot in the air."""
+        """Pairs of links that are kept apart in the air, those that would meet soonest."""
         return self.legs
 
     @property
@@ -226,7 +227,12 @@ class Sizes:
         dynamics = [("dynamics", share, 6) for share in NODES]
         at_ends = {"torque": self.joints, "drive": self.joints, "friction": 4 * contacts}
         lines = [(name, end, size) for end in (0.0, 1.0) for name, size in at_ends.items() if size]
-        middle = {"stop": self.joints, "rest": self.foot * len(knot.standing)}
+        flies = len(knot.standing) < self.legs
+        middle = {
+            "stop": self.joints,
+            "rest": self.foot * len(knot.standing),
+            "apart": self.near if flies else 0,
+        }
         in_middle = [(name, 0.5, size) for name, size in middle.items() if size]
         return [*dynamics, *in_middle, *lines]
 

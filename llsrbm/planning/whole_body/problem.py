@@ -17,8 +17,7 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 LOWER_FEET = 0.01  # m by which a foot in the air may be lower than planned
-# m that links keep in the air, as their distances change along straight lines from the plan's: 5 mm
-# for what is between knots, and 5 that certificates ask for.
+# m that links keep in the air, 5 mm of it for what is between the instants that are looked at.
 APART = 0.01
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
 
@@ -71,26 +70,27 @@ def rows(robot: Robot, grid: Grid, start: Start) -> Iterator[tuple[str, int, flo
         if not knot.last:
             yield "", k, time, *(np.zeros((2, sizes.states)))
         for name, size in sizes.rows(knot).items():
-            yield name, k, time, *_bounds(name, size, robot, knot, start, k)
+            yield name, k, time, *_bounds(name, size, robot, knot, start, 2 * k)
         if knot.last:
             break
         for name, share, size in sizes.interval_rows(knot):
             at = time + share * float(start.step[k])
-            yield name, k, at, *_bounds(name, size, robot, knot, start, k)
+            yield name, k, at, *_bounds(name, size, robot, knot, start, 2 * k + 1)
 
 
 def _bounds(
-    name: str, size: int, robot: Robot, knot: Knot, start: Start, k: int
+    name: str, size: int, robot: Robot, knot: Knot, start: Start, half: int
 ) -> tuple[Array, Array]:
+    """`half`: of the start's instants, the knot or the middle after it."""
     torque_share, speed_share, _ = start.limits
     if name in EQUALITIES:
         return np.zeros(size), np.zeros(size)
     if name == "stop":
         return robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
     if name == "clearance":
-        return np.concatenate(_lowest(robot, knot, start, k)), np.full(size, np.inf)
+        return np.concatenate(_lowest(robot, knot, start, half // 2)), np.full(size, np.inf)
     if name == "apart":
-        return APART - start.apart[k], np.full(size, np.inf)
+        return APART - start.apart.at_zero[half], np.full(size, np.inf)
     if name == "friction":
         return np.zeros(size), np.full(size, np.inf)
     most = {"speed": speed_share, "torque": torque_share, "drive": 1.0}[name]
@@ -123,7 +123,9 @@ def _parameters(grid: Grid, sizes: Sizes, start: Start) -> Array:
             own[f"{name}_{node}"][:-1] = motion[:, node]
     own["step"][:-1, 0] = start.step
     own["limits"][:] = start.limits
-    own["apart"][:] = start.apart_slope.reshape(len(values), -1)
+    slope = start.apart.slope.reshape(len(start.time), -1)
+    own["apart"][:] = slope[::2]
+    own["apart_in_middle"][:-1] = slope[1::2]
     own["place"][:] = start.place[::2].reshape(len(values), -1)
     own["heading"][:] = start.heading.reshape(len(values), -1)
     return values.ravel()

@@ -16,6 +16,7 @@ from llsrbm.ocp.horizon import Solution
 from llsrbm.ocp.solvers import Fatrop, SolveOptions, Solver
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
+from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import Grid, Sizes
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import (
@@ -37,6 +38,7 @@ _log = logging.getLogger(__name__)
 # solved.
 OPTIONS = SolveOptions(mu=1e-3, iterations=100, push=0.01, acceptable=(5e-3, 4))
 TOLERANCE = 1e-3  # of rows, in their units of about 1
+ROUNDS = 3  # of solves, each with the distances between links about the motion of the one before
 SOLVED, FAILED = "solved", "not-converged"
 _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m"}
 
@@ -69,15 +71,24 @@ class Refiner:
         watch.wait()
         watch.begin("refining: the whole body's dynamics")
         start = start_of(plan, self.robot, self.grid)
-        problem = make_problem(self.robot, self.grid, start)
         guess = variables(start, self.grid, self.sizes, self._unit)
-        solution = watch.over(partial(self.solver.solve, problem, guess, OPTIONS, watch.read))
-        found = self._violations(solution, plan, start)
-        # Where its rows hold a motion can be done, whether or not it is the nearest one.
-        solved = all(violation.amount <= TOLERANCE for violation in found.values())
+        iterations, seconds = 0, 0.0
+        for _ in range(ROUNDS):
+            problem = make_problem(self.robot, self.grid, start)
+            solution = watch.over(partial(self.solver.solve, problem, guess, OPTIONS, watch.read))
+            iterations += solution.iterations
+            seconds += solution.solve_time_s
+            found = self._violations(solution, plan, start)
+            # Where its rows hold a motion can be done, whether or not it is the nearest one.
+            solved = all(violation.amount <= TOLERANCE for violation in found.values())
+            motion = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
+            apart = Apart.near(motion.at(start.time).q[:, 7:], self.robot, self.grid)
+            if not solved or apart.holds:
+                break
+            start, guess = replace(start, apart=apart), solution.variables
         result = plan
         if solved:
-            self.last = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
+            self.last = motion
             result = replace(
                 plan_of(self.last, start, plan, self.robot, self.grid), violations=found
             )
@@ -85,8 +96,8 @@ class Refiner:
             _log.info("the second stage did not converge: %s", solution.message)
         report = Refinement(
             status=SOLVED if solved else FAILED,
-            iterations=solution.iterations,
-            solve_time_s=solution.solve_time_s,
+            iterations=iterations,
+            solve_time_s=seconds,
             total_time_s=time.perf_counter() - begun,
             build_time_s=0.0,
             cost=solution.cost,

@@ -135,7 +135,6 @@ class _Stage:
             if leg not in knot.resting:
                 clearance.append(foot.height)
                 clearance += [foot.height + ca.dot(foot.up, ca.DM(c)) for c in self._corners]
-        slopes = ca.reshape(self.near["apart"], sizes.joints, sizes.near).T
         goal = [x["position"] - self.near["position"], self._turned]
         goal += [x[name] - self.near[name] for name in ("velocity", "omega")]
         found = {
@@ -144,10 +143,14 @@ class _Stage:
             "rest": [row for leg in knot.resting for row in feet[leg].rest],
             "landing": landing,
             "clearance": clearance,
-            "apart": [slopes @ (x["joint_position"] - self.near["joint_position"])],
+            "apart": [self._apart("apart", x["joint_position"])],
             "goal": goal,
         }
         return [(name, ca.vertcat(*found[name])) for name in sizes.rows(knot)]
+
+    def _apart(self, name: str, joints: Any) -> Any:
+        """Distances of links but for constants, which are in the bounds."""
+        return ca.reshape(self.near[name], self.sizes.joints, self.sizes.near).T @ joints
 
     @property
     def _corners(self) -> Any:
@@ -235,6 +238,8 @@ class _Stage:
                 found.append((name, balance / self.sizes.weight))
             elif name == "stop":
                 found.append((name, self._moved(*_JOINTS, share)))
+            elif name == "apart":
+                found.append((name, self._apart("apart_in_middle", self._moved(*_JOINTS, share))))
             elif name == "rest":
                 found.append((name, ca.vertcat(*self._rest_within(share))))
             elif name == "torque":

@@ -12,13 +12,11 @@ from llsrbm.body.momentum import base_velocities
 from llsrbm.mechanics import apply, rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import LIMITS, NODES, SAME_INSTANT, Grid, Sizes
-from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
-
-NEAR = 0.15  # m: links farther apart do not meet as the second stage moves them
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,8 +29,7 @@ class Start:
         force: (N, nodes, 3 C) N, of all contact points.
         place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet.
         limits: of the request: shares of torque and speed, friction.
-        apart: (N + 1, n) m of the nearest pairs of links, infinite where they are far; apart_slope:
-            (N + 1, n, J), how joints change it.
+        apart: distances of links.
     """
 
     time: Array
@@ -42,8 +39,7 @@ class Start:
     place: Array
     foot_quat: Array
     limits: Array
-    apart: Array
-    apart_slope: Array
+    apart: Apart
 
     @property
     def step(self) -> Array:
@@ -100,7 +96,6 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     place = _linear(time, known, plan.foot_position.reshape(len(known), -1))
     last_knot = np.searchsorted(known, time + SAME_INSTANT, side="right") - 1
     count = grid.intervals
-    apart, apart_slope = _distances(robot, grid, state)
     return Start(
         time=time,
         state={name: values[::2] for name, values in state.items()},
@@ -112,21 +107,8 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
         place=place.reshape(len(time), -1, 3),
         foot_quat=plan.foot_quat[last_knot],
         limits=np.array([getattr(limits, name) for name in LIMITS]),
-        apart=apart,
-        apart_slope=apart_slope,
+        apart=Apart.near(state["joint_position"], robot, grid),
     )
-
-
-def _distances(robot: Robot, grid: Grid, state: dict[str, Array]) -> tuple[Array, Array]:
-    """Of the links that would meet soonest, at knots where a foot is in the air; else infinite."""
-    sizes = Sizes.of(robot)
-    flies = np.array([len(knot.resting) < sizes.legs for knot in grid.knots])
-    base = np.tile(robot.posture[:7], (int(flies.sum()), 1))  # distances know nothing of it
-    q = np.hstack([base, state["joint_position"][::2][flies]])
-    apart = np.full((len(flies), sizes.near), np.inf)
-    slope = np.zeros((*apart.shape, sizes.joints))
-    apart[flies], slope[flies] = LinkShapes.of(robot).soonest(q, sizes.near, NEAR)
-    return apart, slope
 
 
 def variables(start: Start, grid: Grid, sizes: Sizes, unit: Array) -> Array:
