@@ -1,12 +1,15 @@
 """The classifiers of jumps that can be planned (`llsrbm.atlas.feasible`): samples, fit and check.
 
     python -m benchmarks.feasible sample --robots anymal --seconds 240 --into build/feasible
-    python -m benchmarks.feasible fit --samples build/feasible
+    python -m benchmarks.feasible from-tables --into build/feasible
+    python -m benchmarks.feasible fit --samples build/feasible [--onto-shipped]
     python -m benchmarks.feasible sample --robots anymal --unseen --into build/feasible
     python -m benchmarks.feasible check --samples build/feasible
 
 Samples are planned with patience: what is not planned at once may be found on the way to the
-nearest jump. `fit` writes `assets/feasible.json`. Once there is a fit, further samples to learn
+nearest jump. `from-tables` takes the jumps that the tables of guesses were made of, planned at once
+or not, for samples. `fit` writes `assets/feasible.json`, anew or, after a change of robots or
+planner, as a correction of the weights that ship. Once there is a fit, further samples to learn
 from are drawn where it is least sure.
 """
 
@@ -21,6 +24,7 @@ from typing import Annotated
 import numpy as np
 import typer
 
+from benchmarks.guess_tables import jumps, with_faces
 from llsrbm.atlas.feasible import (
     LIMITS,
     Feasible,
@@ -32,7 +36,7 @@ from llsrbm.atlas.feasible import (
 )
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.installed import assets_directory
-from llsrbm.planning.solve.guess_table import REQUEST, numbers_key
+from llsrbm.planning.solve.guess_table import REQUEST, numbers_key, table_path
 from llsrbm.planning.solve.planner import planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -88,7 +92,7 @@ def table(folder: Path, robot: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     rows = (
         np.loadtxt(path, delimiter=",", ndmin=2)
         if path.exists() and path.stat().st_size
-        else np.empty((0, 3))
+        else np.empty((0, 3 + len(REQUEST) + len(LIMITS)))
     )
     return rows[:, 0].astype(int), rows[:, 1] > 0, rows[:, 3:]
 
@@ -133,8 +137,12 @@ def sample(
         )
 
 
-def fitted(blocks: list[tuple[np.ndarray, np.ndarray]], ridges: tuple[float, float]) -> np.ndarray:
+def fitted(
+    blocks: list[tuple[np.ndarray, np.ndarray]], ridges: tuple[float, float], known: np.ndarray
+) -> np.ndarray:
     """(R, F) weights of each robot, of its features (n, F) and whether they were planned (n,).
+
+    `known` (R, F) are what the ridges draw them to.
 
     Logistic regression by Newton's method: w_r = w + d_r with a ridge on w and a larger one on d_r,
     so that robots with few samples borrow from the others.
@@ -147,17 +155,18 @@ def fitted(blocks: list[tuple[np.ndarray, np.ndarray]], ridges: tuple[float, flo
         row[:, size * (place + 1) : size * (place + 2)] = phi
         rows.append(row)
     A, y = np.vstack(rows), np.concatenate([y for _, y in blocks]).astype(float)
+    before = np.concatenate([phi @ w for (phi, _), w in zip(blocks, known, strict=True)])
     ridge = np.repeat([ridges[0], *[ridges[1]] * many], size)
     ridge[0] = 1e-3
     w = np.zeros(A.shape[1])
     for _ in range(STEPS):
-        chance = 1 / (1 + np.exp(-np.clip(A @ w, -30, 30)))
+        chance = 1 / (1 + np.exp(-np.clip(before + A @ w, -30, 30)))
         hessian = (A.T * np.maximum(chance * (1 - chance), 1e-6)) @ A + np.diag(ridge)
         step = np.linalg.solve(hessian, A.T @ (y - chance) - ridge * w)
         w += step * min(1.0, 3.0 / max(np.abs(A @ step).max(), 1e-9))
         if np.abs(step).max() < 1e-6:
             break
-    return w[:size] + w[size:].reshape(many, size)
+    return known + w[:size] + w[size:].reshape(many, size)
 
 
 def scaled(robot: Robot, values: np.ndarray) -> np.ndarray:
@@ -165,18 +174,40 @@ def scaled(robot: Robot, values: np.ndarray) -> np.ndarray:
 
 
 @app.command()
-def fit(samples: Folder, robots: Robots = ROBOTS) -> None:
-    names = [name for name in robots.split(",") if (samples / f"{name}.csv").exists()]
-    blocks = []
+def from_tables(into: Folder, robots: Robots = "anymal,go2,slider") -> None:
+    """Samples of robots whose tables hold all of their jumps that were planned."""
+    into.mkdir(parents=True, exist_ok=True)
+    for name in robots.split(","):
+        robot = load_robot(name)
+        with np.load(table_path(name)) as arrays:
+            solved = arrays["requests"]
+        with (into / f"{name}.csv").open("a") as file:
+            for seed, jump in enumerate(with_faces(jumps("guesses", name))):
+                values = values_of(jump, {}, robot)
+                found = np.abs(solved - values[: len(REQUEST)]).max(axis=1).min() < 1e-5
+                csv.writer(file).writerow([seed, int(found), 0.0, *values.tolist()])
+
+
+@app.command()
+def fit(
+    samples: Folder,
+    robots: Robots = ROBOTS,
+    onto_shipped: Annotated[bool, typer.Option("--onto-shipped")] = False,
+) -> None:
+    shipped = json.loads((assets_directory() / "feasible.json").read_text(encoding="utf-8"))
+    names = robots.split(",")
+    blocks, known = [], []
     for name in names:
         seeds, can, values = table(samples, name)
         mine = seeds < UNSEEN
         blocks.append((features(scaled(load_robot(name), values[mine])), can[mine]))
-    weights = fitted(blocks, RIDGES)
+        own = np.array(shipped[name]["weights"])
+        known.append(own if onto_shipped else np.zeros_like(own))
+    weights = fitted(blocks, RIDGES, np.array(known))
     found = {
         name: {
             "robot": numbers_key(load_robot(name)),
-            "samples": len(can),
+            "samples": len(can) + onto_shipped * shipped[name]["samples"],
             "weights": [float(f"{w:.4g}") for w in row],
         }
         for name, (_, can), row in zip(names, blocks, weights, strict=True)
