@@ -46,6 +46,8 @@ GUESSED = 0.5  # share of the request that is guessed
 PENALTIES = (200.0, 600.0)
 # One with which the corners of the range get somewhere, too; it gives up more than has to be.
 EASY = 30.0
+# Of what drives give, where nothing is found that the whole body's check agrees to.
+TIGHTER = 0.98
 NOTHING = 1e-3  # of a range; what is given up below it may be nothing
 # More of what is given up, in shares of the ranges, where the whole body objects to the first.
 FURTHER = (0.0, 0.015, 0.05)
@@ -163,6 +165,8 @@ def find_nearest(
 ) -> Nearest | None:
     """The nearest jump to a task's; None: not even a small share of it can be planned.
 
+    Where the whole body's check goes on objecting it is one for drives that give a little less.
+
     Args:
         formulation: of the elastic problem.
         task: the request's.
@@ -173,6 +177,29 @@ def find_nearest(
     Raises:
         Cancelled: it is not wanted any more.
     """
+    found = _find_nearest(formulation, task, watch, begun)
+    if found is not None:
+        return found
+    own = task.limits
+    less = {name: TIGHTER * getattr(own, name) for name in ("torque_share", "speed_share")}
+    found = _find_nearest(
+        formulation, replace(task, limits=own.model_copy(update=less)), watch, begun
+    )
+    if found is None:
+        return None
+    plain, elastic = (
+        replace(attempt, task=replace(attempt.task, limits=own))
+        for attempt in (found.plain, found.elastic)
+    )
+    return replace(found, plain=plain, elastic=elastic)
+
+
+def _find_nearest(
+    formulation: ElasticFormulation,
+    task: Task,
+    watch: Watch,
+    begun: tuple[Jump, Array] | None,
+) -> Nearest | None:
     for start, options, penalty in _starts(formulation, task, begun):
         way = replace(formulation, penalty=penalty)
         elastic = way.solve(task, start, watch, options)
