@@ -2,7 +2,7 @@
 
 They are the URDF's collision shapes; of a mesh its convex hull. A body without any (Go2's front
 hips, SLIDER's legs) has its visual shapes, treated alike, and so has a sole of which the URDF knows
-only the spheres that it stands on. Shins end in the middle of their foot's ball.
+only the spheres that it stands on. Shins end two radii before the middle of their foot's ball.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ Kind = Literal["sphere", "box", "cylinder", "hull"]
 
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 _DIAGONALS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-_METHOD = "shapes 3"  # a new one makes cached shapes old
+SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
+_METHOD = "shapes 4"  # a new one makes cached shapes old
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,39 +107,42 @@ def _shapes(robot: Robot) -> tuple[Shape, ...]:
     return tuple(
         shape
         if shape.foot or shape.joint not in balls
-        else _up_to_the_foot(shape, balls[shape.joint])
+        else _up_to_the_foot(shape, *balls[shape.joint])
         for shape in shapes
     )
 
 
-def _up_to_the_foot(shape: Shape, ball: Array) -> Shape:
-    """The shape as far as the middle of its foot's ball: the ground meets the ball alone.
+def _up_to_the_foot(shape: Shape, ball: Array, radius_of_ball: float) -> Shape:
+    """The shape up to two radii from the middle of its foot's ball: the ground meets that alone.
 
-    ANYmal's adapter reaches within 3 mm of the ball's end, Solo's shin within 1 mm.
+    ANYmal's adapter reaches within 3 mm of the ball's end, Solo's shin within 1 mm, and a ball
+    sinks in by as much as a robot lands.
     """
+    short = SHORT * radius_of_ball
     if shape.kind == "cylinder":
         radius, half, _ = shape.size
         along = shape.rotation.T @ (ball - shape.centre)
         height = float(along[2])
-        if np.hypot(*along[:2]) > radius or not half / 2 < abs(height) < half:
+        reach = abs(height) - short
+        if np.hypot(*along[:2]) > radius or not half / 2 < reach < half:
             return shape
-        shift = np.sign(height) * (abs(height) - half) / 2
-        size = np.array([radius, (half + abs(height)) / 2, 0.0])
+        shift = np.sign(height) * (reach - half) / 2
+        size = np.array([radius, (half + reach) / 2, 0.0])
         return replace(shape, size=size, centre=shape.centre + shift * shape.rotation[:, 2])
     if shape.kind == "hull":
         end = shape.rotation.T @ (ball - shape.centre)
         outward = end - shape.points.mean(axis=0)
         outward /= np.linalg.norm(outward)
-        beyond = np.maximum((shape.points - end) @ outward, 0.0)
+        beyond = np.maximum((shape.points - end) @ outward + short, 0.0)
         return replace(shape, points=shape.points - beyond[:, None] * outward)
     return shape
 
 
-def _balls(robot: Robot) -> dict[int, Array]:
-    """Middles (3,) m of point feet in the frames of the joints that move them."""
+def _balls(robot: Robot) -> dict[int, tuple[Array, float]]:
+    """Middles (3,) m of point feet in the frames of the joints that move them, and radii (m)."""
     frames = [robot.model.frames[leg.foot_frame_id] for leg in robot.legs]
     return {
-        int(frame.parentJoint): frame.placement.act(contact.centres[0])
+        int(frame.parentJoint): (frame.placement.act(contact.centres[0]), contact.radius)
         for frame, contact in zip(frames, foot_contacts(robot), strict=True)
     }
 
