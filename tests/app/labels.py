@@ -6,6 +6,7 @@ from tests.app.chromium import FOLDERS, unfold
 
 _VISIBLE = """() => [...document.querySelectorAll("label, button, [role=tab]")]
   .filter((e) => e.getClientRects().length && !e.closest("[data-dock-area] canvas"))
+  .filter((e) => !e.closest(".mantine-Notification-root"))
   .map((e) => (e.getAttribute("aria-label") || e.innerText).trim())
   .filter((text) => text && text.length < 60 && !/[\\n]/.test(text))"""
 
