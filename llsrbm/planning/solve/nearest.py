@@ -46,8 +46,6 @@ GUESSED = 0.5  # share of the request that is guessed
 PENALTIES = (200.0, 600.0)
 # One with which the corners of the range get somewhere, too; it gives up more than has to be.
 EASY = 30.0
-# Iterations since the search began after which it takes what it has: about 1 s.
-ENOUGH = 110
 # Of what drives give, where nothing is found that the whole body's check agrees to.
 TIGHTER = 0.98
 NOTHING = 1e-3  # of a range; what is given up below it may be nothing
@@ -202,7 +200,6 @@ def _find_nearest(
     watch: Watch,
     begun: tuple[Jump, Array] | None,
 ) -> Nearest | None:
-    end = watch.iterations + ENOUGH
     for start, options, penalty in _starts(formulation, task, begun):
         way = replace(formulation, penalty=penalty)
         elastic = way.solve(task, start, watch, options)
@@ -214,7 +211,7 @@ def _find_nearest(
         plain = _made_round(way, elastic, watch)
         if plain is not None and plain.task.jump == task.jump:
             return Nearest(plain, elastic, way)
-    for dearer, first in reversed([*_dearer(way, elastic, watch, end)]):
+    for dearer, first in reversed([*_dearer(way, elastic, watch)]):
         agreed = dearer.agreed(first, watch)
         plain = _made_round(dearer, agreed, watch)
         if plain is not None:
@@ -225,18 +222,16 @@ def _find_nearest(
 
 
 def _dearer(
-    way: ElasticFormulation, elastic: Attempt, watch: Watch, end: int
+    way: ElasticFormulation, elastic: Attempt, watch: Watch
 ) -> Iterator[tuple[ElasticFormulation, Attempt]]:
     """A solution, and those after it of ever higher penalties, as long as they converge.
 
-    None is looked for where nothing is given up, and after `end` iterations.
+    None is looked for where nothing is given up.
     """
     yield way, elastic
     if distance(elastic.task, elastic.task.jump) <= NOTHING:
         return
     for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
-        if watch.iterations > end:
-            return
         way = replace(way, penalty=penalty)
         elastic = way.solve(elastic.task, elastic.solution.variables, watch, DEARER)
         if not elastic.solution.converged:

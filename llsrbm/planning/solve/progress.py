@@ -29,11 +29,7 @@ Progress = Callable[[PlanningProgress], None]
 
 
 class Watch:
-    """Passes progress on, and cancels.
-
-    Attributes:
-        iterations: of all solves so far, by which searches are kept short on any machine alike.
-    """
+    """Passes progress on, and cancels."""
 
     def __init__(
         self, cancelled: Callable[[], bool] | None = None, progress: Progress | None = None
@@ -41,7 +37,6 @@ class Watch:
         self._cancelled, self._progress = cancelled, progress
         self._text = ""
         self._table = IterationTable()
-        self.iterations = 0
 
     @property
     def read(self) -> Callable[[str], None] | None:
@@ -77,9 +72,7 @@ class Watch:
             Cancelled: on request.
         """
         report = None if self._progress is None else self._report
-        solution = attended(solve, lambda: self._table.last, report, self._cancelled)
-        self.iterations += solution.iterations
-        return solution
+        return attended(solve, lambda: self._table.last, report, self._cancelled)
 
     def _report(self, iteration: int, residual: float) -> None:
         if self._progress is not None:

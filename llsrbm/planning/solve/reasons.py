@@ -43,7 +43,6 @@ FEW = 0.1
 # Times as much as multipliers say: tries of how loose a limit has to be.
 TRIED = (1.5, 3.0)
 NAMED = 2  # limits at most
-ENOUGH = 60  # iterations after which no further value of a limit is tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,22 +148,17 @@ def stops_of(nearest: Nearest, task: Task, watch: Watch) -> tuple[Stop, ...]:
     """
     ranked = gains(nearest)
     missing = distance(nearest.elastic.task, nearest.plain.task.jump)
-    end = watch.iterations + ENOUGH
     for gain in ranked[:NAMED]:
-        found = _needed(nearest, task, gain, missing, watch, end)
+        found = _needed(nearest, task, gain, missing, watch)
         if found is not None:
             others = (_at_limit(nearest, other) for other in ranked if other is not gain)
             return (found, *others)
     return stops_at(nearest)
 
 
-def _needed(
-    nearest: Nearest, task: Task, gain: Gain, missing: float, watch: Watch, end: int
-) -> Stop | None:
-    """The value that a request needs of one limit; None: none was found by `end` iterations."""
+def _needed(nearest: Nearest, task: Task, gain: Gain, missing: float, watch: Watch) -> Stop | None:
+    """The value that a request needs of one limit; None: more of it alone does not do."""
     for value in _values(gain, missing):
-        if watch.iterations > end:
-            return None
         free = _free(nearest, gain.limit.put(task, value), watch)
         if free is not None:
             knots = free.knots.under(gain.limit.put(free.task, gain.value))
