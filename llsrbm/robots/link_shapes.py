@@ -33,7 +33,7 @@ _SAMPLES = 4000  # random postures
 _NEAR = 0.03  # m: links that never come so near cannot meet
 _OFTEN = 0.5  # share of the postures: links that touch in more only seem to
 _WIDEST = np.pi  # rad to which joints without stops are turned
-_METHOD = "pairs 4"  # a new one makes cached pairs old
+_METHOD = "pairs 5"  # a new one makes cached pairs old
 
 
 @dataclass(frozen=True, eq=False)

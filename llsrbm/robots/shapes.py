@@ -29,7 +29,7 @@ Kind = Literal["sphere", "box", "cylinder", "hull"]
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 _DIAGONALS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
-_METHOD = "shapes 4"  # a new one makes cached shapes old
+_METHOD = "shapes 5"  # a new one makes cached shapes old
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,7 +124,7 @@ def _up_to_the_foot(shape: Shape, ball: Array, radius_of_ball: float) -> Shape:
         along = shape.rotation.T @ (ball - shape.centre)
         height = float(along[2])
         reach = abs(height) - short
-        if np.hypot(*along[:2]) > radius or not half / 2 < reach < half:
+        if np.hypot(*along[:2]) > radius or abs(height) < half / 2 or reach > half:
             return shape
         shift = np.sign(height) * (reach - half) / 2
         size = np.array([radius, (half + reach) / 2, 0.0])

@@ -201,7 +201,7 @@ BINDING = {
     "takeoff_min": (FORWARD, {}, 0.7, duration(0), 1e-3),
     "takeoff_max": (FORWARD, SLOW, 0.45, duration(0), 1e-3),
     "flight_min": (FORWARD, {}, 0.45, duration(1), 1e-3),
-    "flight_max": (FAR, {}, 0.305, duration(1), 1e-3),
+    "flight_max": (FAR, {}, 0.3065, duration(1), 1e-3),
     "landing_min": (FORWARD, {}, 0.7, duration(2), 1e-3),
     "landing_max": (FORWARD, SLOW, 0.55, duration(2), 1e-3),
     "reach_min": (HIGH, {}, 0.3, shortest_leg, 1e-3),

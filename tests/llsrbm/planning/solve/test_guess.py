@@ -98,7 +98,7 @@ def test_any_schedules_guess_is_a_motion_from_start_to_goal(made):
         np.testing.assert_allclose(fall, knots.dt[flight, None] * [0, 0, -9.81], atol=1e-9)
     steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
     mean = (knots.velocity[1:] + knots.velocity[:-1]) / 2
-    np.testing.assert_allclose(steps, np.linalg.norm(mean, axis=1) * knots.dt, atol=0.08)
+    np.testing.assert_allclose(steps, np.linalg.norm(mean, axis=1) * knots.dt, atol=0.15)
     # Variables are where they belong.
     unit = task.mass * 9.81 / 4
     for k, role in enumerate(layout.roles[1:-1], start=1):
