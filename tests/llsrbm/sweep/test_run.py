@@ -44,14 +44,15 @@ def test_a_sweep_that_was_cut_off_goes_on(tmp_path, client, monkeypatch):
     filled(tmp_path / "whole", range(40))
 
     def cut_off(news):
-        if news.done >= 4:
+        if news.done >= 12:
             raise KeyboardInterrupt
 
     with opened(tmp_path / "cut") as folder, pytest.raises(KeyboardInterrupt):
         work(folder, client, progress=cut_off)
     with opened(tmp_path / "cut") as folder:
         before = int(folder.done.sum())
-        assert 4 <= before < 40
+        # What waits for an earlier jump on the other worker is computed, and not written yet.
+        assert 0 < before < 40
         progress = work(folder, client)
     assert (progress.begun_at, progress.done) == (before, 40)
     assert rows_of(tmp_path / "cut").equals(rows_of(tmp_path / "whole"))
