@@ -107,32 +107,49 @@ class StageFeet(StageBody):
     @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
-        return self._moving(
-            self.R_world_base_mid, self.position_mid, self.velocity_mid_base, self.dt / 2
-        )
+        rate, velocity = self.rotation_rate, self.velocity_mid_base
+        return self._moving(self.R_world_base_mid, self.position_mid, velocity, rate, self.dt / 2)
 
     @cached_property
     def feet_at_begin(self) -> tuple[Any, Any]:
-        """x and xdot, (d, L), as the interval begins, with its own angular velocity.
-
-        A foot that lands here stands already.
-        """
-        velocity = self.lift(ca.mtimes(self.R_world_base.T, self.velocity))
-        return self._moving(self.R_world_base, self.position, velocity, 0)[:2]
+        """x and xdot, (d, L), as the interval begins; a foot that lands here stands already."""
+        R = self.R_world_base
+        velocity, rate = ca.mtimes(R.T, self.velocity), self._rotation_rate_at(R, self.momentum)
+        velocity, rate = self.lift(velocity), self.lift(rate)
+        return self._moving(R, self.position, velocity, rate, 0)[:2]
 
     @cached_property
     def feet_at_end(self) -> tuple[Any, Any]:
         """Likewise as it ends; a foot that leaves there still stands."""
         R = self.lift(rotation_matrix(self.lift(self.quat_end)))
-        velocity = self.lift(ca.mtimes(R.T, self.velocity_end))
-        return self._moving(R, self.lift(self.position_end), velocity, self.dt)[:2]
+        momentum = self.momentum + self.moment * self.dt
+        velocity, rate = ca.mtimes(R.T, self.velocity_end), self._rotation_rate_at(R, momentum)
+        velocity, rate = self.lift(velocity), self.lift(rate)
+        return self._moving(R, self.lift(self.position_end), velocity, rate, self.dt)[:2]
 
-    def _moving(self, R: Any, position: Any, velocity: Any, since: Any) -> tuple[Any, ...]:
+    def _rotation_rate_at(self, R: Any, momentum: Any) -> Any:
+        """omega of the base at an end of the interval, (3, 1) rad/s, base axes.
+
+        While feet push it changes as the angular momentum does; what the legs' own part of that
+        changes is left out.
+
+        Args:
+            R: of the base, at that end.
+            momentum: L / m there, (3, 1) m2/s.
+        """
+        x, _, o, _ = self.feet_mid
+        inertia = self.lift(self.model.inertia(x, o) / self.model.mass)
+        change = self.lift(ca.mtimes(R.T, momentum) - self.momentum_mean_base)
+        return self.rotation_rate + ca.mtimes(ca.inv_minor(inertia), change)
+
+    def _moving(
+        self, R: Any, position: Any, velocity: Any, turning: Any, since: Any
+    ) -> tuple[Any, ...]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at an instant of the interval.
 
         Args:
             R, position: of base and CoM at that instant.
-            velocity: of the CoM, base axes.
+            velocity, turning: of the CoM, and omega of the base, base axes.
             since: time since the knot, s.
         """
         legs, model = range(self.layout.legs), self.model
@@ -149,9 +166,9 @@ class StageFeet(StageBody):
             o_rate = self.lift(model.offset_map(()).rate(xdot))
             return place, rate, self.lift(model.base_offset(place)), o_rate
         x, o, beta = self._placed(R, position, in_air)
-        seen = {i: -velocity - ca.cross(self.rotation_rate, b[:3]) for i, b in beta.items()}
+        seen = {i: -velocity - ca.cross(turning, b[:3]) for i, b in beta.items()}
         for i, direction in self._across(R, list(beta)).items():
-            turn = relative_yaw_rate(direction, self.rotation_rate)
+            turn = relative_yaw_rate(direction, turning)
             seen[i] = ca.vertcat(seen[i], turn)
         o_rate = self.lift(model.offset_map(tuple(beta)).rate(seen | xdot))
         for i, rate in seen.items():

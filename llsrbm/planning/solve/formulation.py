@@ -52,6 +52,8 @@ CORRECTIONS = 3
 # excess down to this share of what it was.
 SHIFTS = 6
 SHRINKS = 0.8
+# Excess up to which following is tried first: from further off one in fifteen gets there so.
+NEAR_ENOUGH = 0.2
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 22 to 60.
 CAUTIOUS = replace(PATIENT, iterations=100)
 
@@ -170,18 +172,22 @@ class Formulation:
             task = replace(last.task, agreed_bounds=bounds)
             if task.correction is not None or TrueTurn.name in last.broken:
                 task = replace(task, correction=correction(last.knots))
-            attempts.extend(self.again(task, last.solution, watch))
+            near = excess(last.violations) < NEAR_ENOUGH
+            attempts.extend(self.again(task, last.solution, watch, near))
             before, last = last, attempts[-1]
             if excess(last.violations) > SHRINKS * excess(before.violations):
                 break
         return with_all_time(attempts)
 
-    def again(self, task: Task, last: Iterate, watch: Watch) -> list[Attempt]:
-        """Solve a task whose numbers differ a little from those of a solution's."""
-        followed = self.follow(task, last, watch)
-        if followed.solution.converged:
-            return [followed]
-        return [followed, self.solve(task, last.variables, watch, CLOSE)]
+    def again(self, task: Task, last: Iterate, watch: Watch, near: bool = True) -> list[Attempt]:
+        """Solve a task whose numbers differ a little from those of a solution's.
+
+        `near`: so little that following may do.
+        """
+        tried = [self.follow(task, last, watch)] if near else []
+        if not tried or not tried[-1].solution.converged:
+            tried.append(self.solve(task, last.variables, watch, CLOSE))
+        return tried
 
     def plan(self, attempt: Attempt, attempts: int, solve_time: float, begun: float) -> Plan:
         """The plan of the best of several attempts.

@@ -94,7 +94,7 @@ class ElasticFormulation(Formulation):
         plain = replace(solution, **vars(self.plainly(task, solution)))
         return replace(self.plain.judged(reached, plain), solution=solution)
 
-    def again(self, task: Task, last: Iterate, watch: Watch) -> list[Attempt]:
+    def again(self, task: Task, last: Iterate, watch: Watch, near: bool = True) -> list[Attempt]:
         """Not followed: what is given up changes too much for that."""
         return [self.solve(task, last.variables, watch, DEARER)]
 
@@ -295,7 +295,7 @@ def _rounded(task: Task) -> Iterator[Jump]:
     assert wanted is not None
     if distance(task, reached) < NOTHING:
         yield wanted
-    for further in FURTHER:
+    for further in FURTHER if distance(task, reached) >= NOTHING else ():
         steps = {}
         for name, step in STEPS.items():
             whole, value = getattr(wanted, name), getattr(reached, name)

@@ -48,11 +48,13 @@ class DriveConstraint(AgreedConstraint):
         of_both_ends: whether the last interval of a swing has rows for its end too.
         of_edges: whether standing legs have rows for lift-off and touchdown.
         allowances: shares that the check allows beyond, and those for compared models.
+        edge_reserve: share that rows keep there of their bounds until the check is known.
     """
 
     of_both_ends: ClassVar[bool] = True
     of_edges: ClassVar[bool] = True
     allowances: ClassVar[tuple[float, float]]
+    edge_reserve: ClassVar[float] = 0.0
 
     def rows(self, stage: Stage) -> Any:
         """(n (L + settling + beside a swing), 1)."""
@@ -79,7 +81,8 @@ class DriveConstraint(AgreedConstraint):
                 for ends in (shifted.lower, shifted.upper)
             )
             return _tamed(lower, np.sqrt), _tamed(upper, np.sqrt)
-        top = _tamed(np.repeat(self.tops(task), [len(joints), len(edges)]), np.sqrt)
+        tops = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
+        top = _tamed(np.repeat(tops, [len(joints), len(edges)]), np.sqrt)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
