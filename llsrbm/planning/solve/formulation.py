@@ -168,16 +168,21 @@ class Formulation:
         for _ in range(self.shifts):
             if not last.broken or not last.broken <= self.mended:
                 break
-            bounds = {c.name: c.agreed_bounds(last.knots) for c in AGREED}
-            task = replace(last.task, agreed_bounds=bounds)
-            if task.correction is not None or TrueTurn.name in last.broken:
-                task = replace(task, correction=correction(last.knots))
+            task = self.minding(last)
             near = excess(last.violations) < NEAR_ENOUGH
             attempts.extend(self.again(task, last.solution, watch, near))
             before, last = last, attempts[-1]
             if excess(last.violations) > SHRINKS * excess(before.violations):
                 break
         return with_all_time(attempts)
+
+    def minding(self, last: Attempt) -> Task:
+        """An attempt's task, with what the whole body says of its motion in the rows' bounds."""
+        bounds = {c.name: c.agreed_bounds(last.knots) for c in AGREED}
+        task = replace(last.task, agreed_bounds=bounds)
+        if task.correction is not None or TrueTurn.name in last.broken:
+            task = replace(task, correction=correction(last.knots))
+        return task
 
     def again(self, task: Task, last: Iterate, watch: Watch, near: bool = True) -> list[Attempt]:
         """Solve a task whose numbers differ a little from those of a solution's.

@@ -226,14 +226,15 @@ def _dearer(
 ) -> Iterator[tuple[ElasticFormulation, Attempt]]:
     """A solution, and those after it of ever higher penalties, as long as they converge.
 
-    None is looked for where nothing is given up.
+    Each knows what the whole body says of the one before. None is looked for where nothing is
+    given up.
     """
     yield way, elastic
     if distance(elastic.task, elastic.task.jump) <= NOTHING:
         return
     for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
         way = replace(way, penalty=penalty)
-        elastic = way.solve(elastic.task, elastic.solution.variables, watch, DEARER)
+        elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, DEARER)
         if not elastic.solution.converged:
             return
         yield way, elastic
@@ -253,19 +254,18 @@ def _starts(
 
 
 def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch) -> Attempt | None:
-    """The plain problem's solution: of whole steps, or else just as it is."""
+    """The plain problem's solution: of whole steps, or just as it is, or of a few steps less."""
     plain = formulation.plain
     start = formulation.plainly(elastic.task, elastic.solution)
-    if elastic.solution.converged:
-        for jump in _rounded(elastic.task):
-            task = replace(placed(elastic.task, jump), wanted=None)
-            attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
-            if attempt.solved and _stands(attempt.task):
-                return attempt
-    if not elastic.solved or not _stands(elastic.task):
-        return None
-    solution = replace(elastic.solution, **vars(start))
-    return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
+    for jump in _rounded(elastic.task) if elastic.solution.converged else ():
+        task = replace(placed(elastic.task, jump), wanted=None)
+        attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
+        if attempt.solved and _stands(attempt.task):
+            return attempt
+        if elastic.solved and _stands(elastic.task):
+            solution = replace(elastic.solution, **vars(start))
+            return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
+    return None
 
 
 def _stands(task: Task) -> bool:

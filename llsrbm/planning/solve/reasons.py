@@ -2,11 +2,12 @@
 
 At the nearest jump multipliers say by how much less of the request would have to be given up if a
 limit was a little looser: their order is right, amounts are off by up to 2.4 times. How much looser
-the first one has to be is found by planning the whole request under it.
+the first one has to be is found by the elastic problem under it, until it gives up nothing.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -29,8 +30,8 @@ from llsrbm.planning.problem.violations import (
     violation_with,
     with_demand,
 )
-from llsrbm.planning.solve.formulation import CLOSE, Attempt
-from llsrbm.planning.solve.nearest import Nearest, distance
+from llsrbm.planning.solve.formulation import Attempt
+from llsrbm.planning.solve.nearest import DEARER, NOTHING, Nearest, distance
 from llsrbm.planning.solve.progress import Watch
 from llsrbm.request.jump import changes
 
@@ -40,8 +41,9 @@ Array = NDArray[np.float64]
 STEP, LEAST = 0.01, 0.01
 # A gain below this share of the largest is none.
 FEW = 0.1
-# Times as much as multipliers say: tries of how loose a limit has to be.
-TRIED = (1.5, 3.0)
+# How loose a limit has to be: times as much as multipliers say, and after that times as much as the
+# try before says. It is given up after so many, or where one regains less than this share.
+FIRST_TRY, NEXT_TRY, TRIES, REGAINED = 1.5, 1.3, 3, 0.15
 NAMED = 2  # limits at most
 
 
@@ -84,7 +86,7 @@ def refusal(
     Raises:
         Cancelled: it is not wanted any more.
     """
-    found = stops_of(nearest, task, watch) if explains else stops_at(nearest)
+    found = stops_of(nearest, watch) if explains else stops_at(nearest)
     reason = sentence(found)
     message = f"not feasible: {reason}; nearest: {changes(task.jump, less.jump)}"
     return NotConverged(message, last, found, less, reason)
@@ -138,7 +140,7 @@ def stops_at(nearest: Nearest) -> tuple[Stop, ...]:
     return tuple(_at_limit(nearest, gain) for gain in gains(nearest))
 
 
-def stops_of(nearest: Nearest, task: Task, watch: Watch) -> tuple[Stop, ...]:
+def stops_of(nearest: Nearest, watch: Watch) -> tuple[Stop, ...]:
     """The limits that stop a request, the most important first, with what it would need.
 
     The first of them that alone does is alone; where none does the first two are together.
@@ -147,31 +149,48 @@ def stops_of(nearest: Nearest, task: Task, watch: Watch) -> tuple[Stop, ...]:
         Cancelled: it is not wanted any more.
     """
     ranked = gains(nearest)
-    missing = distance(nearest.elastic.task, nearest.plain.task.jump)
     for gain in ranked[:NAMED]:
-        found = _needed(nearest, task, gain, missing, watch)
+        found = _needed(nearest, gain, watch)
         if found is not None:
             others = (_at_limit(nearest, other) for other in ranked if other is not gain)
             return (found, *others)
     return stops_at(nearest)
 
 
-def _needed(nearest: Nearest, task: Task, gain: Gain, missing: float, watch: Watch) -> Stop | None:
+def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
     """The value that a request needs of one limit; None: more of it alone does not do."""
-    for value in _values(gain, missing):
-        free = _free(nearest, gain.limit.put(task, value), watch)
-        if free is not None:
-            knots = free.knots.under(gain.limit.put(free.task, gain.value))
-            worst = max(
-                (
-                    violation_with(free.knots, c, gain.limit, gain.value)
-                    for c in (gain.constraint, *_limited_too(gain.constraint))
-                ),
-                key=severity,
-            )
-            found = stop(gain.constraint, gain.limit, gain.value, value, worst)
-            return with_demand(found, gain.constraint.demand(knots), knots)
+    value, missing = gain.value, _missing(nearest.elastic)
+    step = gain.looser * FIRST_TRY * missing / max(gain.slope, 1e-9)
+    for _ in range(TRIES):
+        end = gain.limit.loosest
+        step = math.copysign(min(abs(step), abs(end - value)), step)
+        if not step:
+            return None
+        value += step
+        free = _free(nearest, gain, value, watch)
+        if not free.solution.converged:
+            return None
+        if (left := _missing(free)) < NOTHING:
+            return _demand(gain, value, free)
+        if left > (1 - REGAINED) * missing:
+            return None
+        step, missing = step * NEXT_TRY * left / (missing - left), left
     return None
+
+
+def _missing(elastic: Attempt) -> float:
+    return distance(elastic.task, elastic.task.jump)
+
+
+def _demand(gain: Gain, value: float, free: Attempt) -> Stop:
+    """What a motion under a looser limit needs beyond the robot's own."""
+    knots = free.knots.under(gain.limit.put(free.task, gain.value))
+    concerned = (gain.constraint, *_limited_too(gain.constraint))
+    worst = max(
+        (violation_with(free.knots, c, gain.limit, gain.value) for c in concerned), key=severity
+    )
+    found = stop(gain.constraint, gain.limit, gain.value, value, worst)
+    return with_demand(found, gain.constraint.demand(knots), knots)
 
 
 def _limited_too(constraint: Constraint) -> Iterator[Constraint]:
@@ -180,24 +199,16 @@ def _limited_too(constraint: Constraint) -> Iterator[Constraint]:
     return (c for c in CONSTRAINTS if names & {*c.limited_by})
 
 
-def _values(gain: Gain, missing: float) -> Iterator[float]:
-    """Looser values of a limit, to the end of its range."""
-    end, sign = gain.limit.loosest, gain.looser
-    for times in TRIED:
-        value = gain.value + sign * times * missing / max(gain.slope, 1e-9)
-        if sign * (end - value) > 0:
-            yield value
-    if sign * (end - gain.value) > 0:
-        yield end
+def _free(nearest: Nearest, gain: Gain, value: float, watch: Watch) -> Attempt:
+    """The elastic problem's solution under a looser limit.
 
-
-def _free(nearest: Nearest, task: Task, watch: Watch) -> Attempt | None:
-    """The plan of a request under a looser limit."""
-    plain = nearest.formulation.plain
-    near = replace(nearest.plain, task=replace(nearest.plain.task, agreed_bounds={}))
-    guess = plain.moved(near, task)
-    found = plain.agreed(plain.solve(task, guess, watch, CLOSE), watch)
-    return found if found.solved else None
+    What the whole body says of other limits at the nearest jump stays minded.
+    """
+    form, elastic = nearest.formulation, nearest.elastic
+    own = {gain.constraint.name, *(c.name for c in _limited_too(gain.constraint))}
+    kept = {name: b for name, b in elastic.task.agreed_bounds.items() if name not in own}
+    task = gain.limit.put(replace(elastic.task, agreed_bounds=kept), value)
+    return form.solve(task, elastic.solution.variables, watch, DEARER)
 
 
 def _at_limit(nearest: Nearest, gain: Gain) -> Stop:
