@@ -27,7 +27,9 @@ from llsrbm.planning.problem.horizon import rows_within
 from llsrbm.planning.problem.parameters import parameter_places
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.problem.violations import excess
 from llsrbm.planning.solve.formulation import (
+    NEAR_ENOUGH,
     Attempt,
     Formulation,
     scaled,
@@ -46,9 +48,8 @@ GUESSED = 0.5  # share of the request that is guessed
 PENALTIES = (200.0, 600.0)
 # One with which the corners of the range get somewhere, too; it gives up more than has to be.
 EASY = 30.0
-# Of what drives give, where nothing is found that the whole body's check agrees to.
-TIGHTER = 0.98
 NOTHING = 1e-3  # of a range; what is given up below it may be nothing
+NEXT_TO_NOTHING = 0.015  # likewise, where what the rows keep of the limits counts
 # More of what is given up, in shares of the ranges, where the whole body objects to the first.
 FURTHER = (0.0, 0.015, 0.05)
 FIRST = replace(solvers.PATIENT, mu=0.1, iterations=100)
@@ -165,8 +166,6 @@ def find_nearest(
 ) -> Nearest | None:
     """The nearest jump to a task's; None: not even a small share of it can be planned.
 
-    Where the whole body's check goes on objecting it is one for drives that give a little less.
-
     Args:
         formulation: of the elastic problem.
         task: the request's.
@@ -177,29 +176,6 @@ def find_nearest(
     Raises:
         Cancelled: it is not wanted any more.
     """
-    found = _find_nearest(formulation, task, watch, begun)
-    if found is not None:
-        return found
-    own = task.limits
-    less = {name: TIGHTER * getattr(own, name) for name in ("torque_share", "speed_share")}
-    found = _find_nearest(
-        formulation, replace(task, limits=own.model_copy(update=less)), watch, begun
-    )
-    if found is None:
-        return None
-    plain, elastic = (
-        replace(attempt, task=replace(attempt.task, limits=own))
-        for attempt in (found.plain, found.elastic)
-    )
-    return replace(found, plain=plain, elastic=elastic)
-
-
-def _find_nearest(
-    formulation: ElasticFormulation,
-    task: Task,
-    watch: Watch,
-    begun: tuple[Jump, Array] | None,
-) -> Nearest | None:
     for start, options, penalty in _starts(formulation, task, begun):
         way = replace(formulation, penalty=penalty)
         elastic = way.solve(task, start, watch, options)
@@ -207,7 +183,7 @@ def _find_nearest(
             break
     else:
         return None
-    if distance(elastic.task, elastic.task.jump) < NOTHING:
+    if not _given_up(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
         plain = _made_round(way, elastic, watch)
         if plain is not None and plain.task.jump == task.jump:
             return Nearest(plain, elastic, way)
@@ -226,12 +202,9 @@ def _dearer(
 ) -> Iterator[tuple[ElasticFormulation, Attempt]]:
     """A solution, and those after it of ever higher penalties, as long as they converge.
 
-    Each knows what the whole body says of the one before. None is looked for where nothing is
-    given up.
+    Each knows what the whole body says of the one before.
     """
     yield way, elastic
-    if distance(elastic.task, elastic.task.jump) <= NOTHING:
-        return
     for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
         way = replace(way, penalty=penalty)
         elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, DEARER)
@@ -257,8 +230,9 @@ def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch)
     """The plain problem's solution: of whole steps, or just as it is, or of a few steps less."""
     plain = formulation.plain
     start = formulation.plainly(elastic.task, elastic.solution)
+    minded = formulation.minding(elastic) if elastic.broken else elastic.task
     for jump in _rounded(elastic.task) if elastic.solution.converged else ():
-        task = replace(placed(elastic.task, jump), wanted=None)
+        task = replace(placed(minded, jump), wanted=None)
         attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
         if attempt.solved and _stands(attempt.task):
             return attempt
@@ -266,6 +240,11 @@ def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch)
             solution = replace(elastic.solution, **vars(start))
             return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
     return None
+
+
+def _given_up(elastic: Attempt) -> bool:
+    """Whether the jump of an elastic problem's solution does less than was asked."""
+    return distance(elastic.task, elastic.task.jump) > NOTHING
 
 
 def _stands(task: Task) -> bool:
@@ -293,9 +272,9 @@ def _rounded(task: Task) -> Iterator[Jump]:
     """
     wanted, reached = task.wanted, task.jump
     assert wanted is not None
-    if distance(task, reached) < NOTHING:
+    if distance(task, reached) <= NEXT_TO_NOTHING:
         yield wanted
-    for further in FURTHER if distance(task, reached) >= NOTHING else ():
+    for further in FURTHER if distance(task, reached) > NOTHING else ():
         steps = {}
         for name, step in STEPS.items():
             whole, value = getattr(wanted, name), getattr(reached, name)

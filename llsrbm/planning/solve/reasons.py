@@ -43,7 +43,7 @@ STEP, LEAST = 0.01, 0.01
 FEW = 0.1
 # How loose a limit has to be: times as much as multipliers say, and after that times as much as the
 # try before says. It is given up after so many, or where one regains less than this share.
-FIRST_TRY, NEXT_TRY, TRIES, REGAINED = 1.5, 1.3, 3, 0.15
+FIRST_TRY, NEXT_TRY, TRIES, REGAINED = 1.8, 1.6, 3, 0.3
 NAMED = 2  # limits at most
 
 
