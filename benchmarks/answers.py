@@ -5,9 +5,9 @@
 Requests are uniform over the robot file's [task], one after another on an otherwise idle machine,
 planned as the page and `llsrbm plan` do. Times are from request to answer, as multiples of the
 median of plain cold plans in the same run: from the analytic guess, solved by the first attempt.
-Of refusals the first-named limit is checked: with it alone at the loose end of its range the
-request has to be planned. `--limit NAME=VALUE` tightens limits, for more refusals; `--out` keeps a
-line a request.
+Of refusals what is named is checked: with that limit alone, or with both where two are said to stop
+it together, the request has to be planned: as loose as is said to be needed, or at the loose end.
+`--limit NAME=VALUE` tightens limits, for more refusals; `--out` keeps a line a request.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import numpy as np
 import typer
 
 import llsrbm
+from llsrbm.errors import Stop
 from llsrbm.planning.problem.placement import limits_of, make_task
 from llsrbm.planning.solve.nearest import distance
 from llsrbm.planning.solve.planner import Planner, planner_for
@@ -51,24 +52,30 @@ def answer(planner: Planner, jump: Jump, limits: dict[str, float]) -> dict[str, 
             task = make_task(jump, planner.robot, None, limits)
             row["nearest"] = error.nearest.jump.as_dict()
             row["distance"] = distance(task, error.nearest.jump)
-            row["first"] = error.stops[0].limit if error.stops else None
-            row["right"] = _alone(planner, jump, limits, row["first"])
+            named = error.stops[: 1 if error.stops and error.stops[0].amount > 0 else 2]
+            row["named"] = [stop.limit for stop in named]
+            row["right"] = _enough(planner, jump, limits, named)
         return row
     row |= {"seconds": time.perf_counter() - start}
     assert planner.last is not None
     return row | {"how": planner.last.label}
 
 
-def _alone(planner: Planner, jump: Jump, limits: dict[str, float], name: str | None) -> bool:
-    """Whether the request can be planned with that limit alone at the loose end of its range."""
-    if name is None:
-        return False
-    limit, _ = limits_of(planner.robot)[name]
-    try:
-        loose = limits | {name: limit.lowest if limit.lower_bound else limit.highest}
-        return planner.plan(jump, limits=loose, explains=False).solved
-    except llsrbm.NotConverged:
-        return False
+def _enough(
+    planner: Planner, jump: Jump, limits: dict[str, float], named: tuple[Stop, ...]
+) -> bool:
+    """Whether the request can be planned with the named limits alone looser."""
+    own = limits_of(planner.robot)
+    found = [own[stop.limit][0] for stop in named]
+    needed = {stop.limit: stop.needed for stop in named if stop.amount > 0}
+    loose = {limit.name: limit.loosest for limit in found}
+    for looser in (needed, loose) if needed else (loose,):
+        try:
+            if planner.plan(jump, limits=limits | looser, guesses=True, explains=False).solved:
+                return True
+        except llsrbm.NotConverged:
+            continue
+    return False
 
 
 def cold_time(planner: Planner, jumps: list[Jump]) -> float:
@@ -113,7 +120,8 @@ def summary(name: str, rows: list[dict[str, Any]], cold: float) -> str:
     multiples = times / cold
     refused = [row for row in rows if "how" not in row]
     near = [row for row in refused if "nearest" in row]
-    right = sum(row["right"] for row in near)
+    alone = [row["right"] for row in near if len(row["named"]) == 1]
+    pairs = [row["right"] for row in near if len(row["named"]) > 1]
     figures = ", ".join(
         f"{label} {value:.1f}"
         for label, value in (
@@ -127,7 +135,8 @@ def summary(name: str, rows: list[dict[str, Any]], cold: float) -> str:
         f"{name}: {len(rows) - len(refused)} of {len(rows)} planned, "
         f"{sum('nearer' in row.get('how', '') for row in rows)} of them by nearer jumps; "
         f"{len(near)} of {len(refused)} refusals with a nearest, {np.median(distances):.3f} of the "
-        f"ranges away (largest {max(distances):.3f}), {right} of {len(near)} first limits right; "
+        f"ranges away (largest {max(distances):.3f}), right are {sum(alone)} of {len(alone)} "
+        f"limits that are named alone and {sum(pairs)} of {len(pairs)} pairs; "
         f"times cold {1e3 * cold:.0f} ms; {figures} x, worst {times.max():.2f} s"
     )
 

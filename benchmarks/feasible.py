@@ -2,15 +2,16 @@
 
     python -m benchmarks.feasible sample --robots anymal --seconds 240 --into build/feasible
     python -m benchmarks.feasible from-tables --into build/feasible
+    python -m benchmarks.feasible from-range --rows FILE [--unseen] --into build/feasible
     python -m benchmarks.feasible fit --samples build/feasible [--onto-shipped]
     python -m benchmarks.feasible sample --robots anymal --unseen --into build/feasible
     python -m benchmarks.feasible check --samples build/feasible
 
 Samples are planned with patience: what is not planned at once may be found on the way to the
 nearest jump. `from-tables` takes the jumps that the tables of guesses were made of, planned at once
-or not, for samples. `fit` writes `assets/feasible.json`, anew or, after a change of robots or
-planner, as a correction of the weights that ship. Once there is a fit, further samples to learn
-from are drawn where it is least sure.
+or not, for samples, `from-range` those that `benchmarks.range --out` kept. `fit` writes
+`assets/feasible.json`, anew or, after a change of robots or planner, as a correction of the weights
+that ship. Once there is a fit, further samples to learn from are drawn where it is least sure.
 """
 
 from __future__ import annotations
@@ -186,6 +187,23 @@ def from_tables(into: Folder, robots: Robots = "anymal,go2,slider") -> None:
                 values = values_of(jump, {}, robot)
                 found = np.abs(solved - values[: len(REQUEST)]).max(axis=1).min() < 1e-5
                 csv.writer(file).writerow([seed, int(found), 0.0, *values.tolist()])
+
+
+@app.command()
+def from_range(
+    into: Folder,
+    rows: Annotated[Path, typer.Option(help="JSON lines of `benchmarks.range`.")],
+    unseen: Annotated[bool, typer.Option(help="For `check`, not to be fitted to.")] = False,
+) -> None:
+    into.mkdir(parents=True, exist_ok=True)
+    for line in rows.read_text(encoding="utf-8").splitlines():
+        row = json.loads(line)
+        robot = load_robot(row["robot"])
+        jump = Jump(robot=robot.name, **{name: row.get(name, 0.0) for name in REQUEST})
+        values = values_of(jump, {}, robot).tolist()
+        seed = row["seed"] % UNSEEN + UNSEEN * unseen
+        with (into / f"{robot.name}.csv").open("a") as file:
+            csv.writer(file).writerow([seed, int(row["planned"]), 0.0, *values])
 
 
 @app.command()

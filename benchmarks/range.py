@@ -58,8 +58,8 @@ def one(request: dict[str, Any], model: str) -> dict[str, Any]:
     motion = {name: request[name] for name in COMPONENTS if name in request}
     jump = llsrbm.Jump(robot=request["robot"], model=model, **motion)
     try:
-        # Not `llsrbm.plan`, which would look for the limit that stops a jump: that takes longer.
-        plan = planner_for(jump.robot, model).plan(jump)
+        # Not `llsrbm.plan`, which would look for what a jump that is stopped needs.
+        plan = planner_for(jump.robot, model).plan(jump, guesses=True, explains=False)
     except llsrbm.NotConverged as error:
         return {**request, "planned": False, "why": str(error)}
     rollout = llsrbm.simulate(plan, seed=request["seed"])

@@ -92,13 +92,15 @@ def test_any_schedules_guess_is_a_motion_from_start_to_goal(made):
             rate = sum(variable(knots, name, k, leg) for name in ("feet_velocity", "feet_step"))
             moved = knots.feet_in_hip[k + 1, leg] - knots.feet_in_hip[k, leg]
             np.testing.assert_allclose(moved, rate * knots.dt[k], atol=1e-9)
-    # In flight the CoM falls freely; nowhere is a step longer than the speeds at its ends allow.
+    # In flight the CoM falls freely; a step is as long as the speeds at its ends say, but for what
+    # the acceleration changes over it.
     for flight in knots.flights:
         fall = np.diff(knots.velocity[flight.start : flight.stop + 1], axis=0)
         np.testing.assert_allclose(fall, knots.dt[flight, None] * [0, 0, -9.81], atol=1e-9)
     steps = np.linalg.norm(np.diff(knots.position, axis=0), axis=1)
     mean = (knots.velocity[1:] + knots.velocity[:-1]) / 2
-    np.testing.assert_allclose(steps, np.linalg.norm(mean, axis=1) * knots.dt, atol=0.15)
+    off = np.abs(steps - np.linalg.norm(mean, axis=1) * knots.dt)
+    assert (off < 2.0 * knots.dt**2).all()
     # Variables are where they belong.
     unit = task.mass * 9.81 / 4
     for k, role in enumerate(layout.roles[1:-1], start=1):
