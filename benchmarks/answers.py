@@ -105,9 +105,9 @@ def main(
         planner = planner_for(name, Jump().model)
         planner.formulation.solver.settle()
         planner.prepare_nearest(Jump(robot=name), settle=True)
-        asked = requests(name, requests_each, seed)
-        cold = cold_time(planner, asked[:COLD_PLANS])
-        found = [answer(planner, jump, limits) for jump in asked]
+        jumps = requests(name, requests_each, seed)
+        cold = cold_time(planner, jumps[:COLD_PLANS])
+        found = [answer(planner, jump, limits) for jump in jumps]
         print(summary(name, found, cold), flush=True)
         rows += found
     if out is not None:

@@ -183,7 +183,7 @@ def _missing(elastic: Attempt) -> float:
 
 
 def _demand(gain: Gain, value: float, free: Attempt) -> Stop:
-    """What a motion under a looser limit needs beyond the robot's own."""
+    """The stop of a limit, with what a motion under a looser one needs beyond the robot's own."""
     knots = free.knots.under(gain.limit.put(free.task, gain.value))
     concerned = (gain.constraint, *_limited_too(gain.constraint))
     worst = max(
