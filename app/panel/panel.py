@@ -70,9 +70,8 @@ class Panel:
         with tabs.add_tab("View"):
             self.view = ViewControls(gui, view, put)
         with tabs.add_tab("Results"):
-            with gui.add_folder("Certificate"):
-                self._certificate = gui.add_html("")
-                self.buttons |= add_buttons(gui, "certificate", put)
+            self._certificate = gui.add_html("")
+            self.buttons |= add_buttons(gui, "certificate", put)
             self.comparison = ComparisonControls(gui, put)
             self._rollout_figures = gui.add_html(html.note(_NO_SIMULATION))
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))

@@ -16,7 +16,7 @@ def test_the_verdict_opens_the_certificate_and_a_finding_its_instant(page):
     finding.wait_for()
     assert page.get_by_role("tab", name="Results").get_attribute("aria-selected") == "true"
     instant = finding.get_attribute("data-seek")
-    finding.dispatch_event("click")  # the panel may still be unfolding
+    finding.click()
     page.wait_for_function(f"Math.abs(window.llsrbm.player.time - {instant}) < 1e-3")
     press(page, "Simulate")
     status(page, "Landed")
