@@ -168,6 +168,8 @@ def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(
     assert dark(saved).mean() > 0.01  # the robot
     assert saved[-5, 5].sum() > saved[5, 5].sum() > 300  # sky and floor, no hole
     clip = {"x": 0, "y": 0, "width": saved.shape[1], "height": saved.shape[0]}
+    # On a busy machine it may have been drawn coarser meanwhile.
+    wait_until(lambda: page.evaluate(whole), "a picture in full again")
     apart = np.abs(screenshot(page, clip=clip) - saved).max(axis=2) > 40
     apart[: NOTE[1], : NOTE[0]] = False  # viser's note comes when it likes
     bar = int(page.locator("#llsrbm-transport").bounding_box()["y"])
