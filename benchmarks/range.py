@@ -3,7 +3,7 @@
     python -m benchmarks.range --robots anymal,slider,go2 --requests 120 --seed 500
 
 Half of the requests ask for one component alone, half for all four at once, uniform over the robot
-file's [task]. Each is planned as the page plans it and simulated once with everything disturbed
+file's [task]. Each is planned from the analytic guess and simulated once with everything disturbed
 that `llsrbm.simulation.disturbance` disturbs; strict success is defined in
 `llsrbm.simulation.verdict`.
 Requests and disturbances follow from the seed alone. Controller and planner were tuned on seeds
@@ -58,8 +58,7 @@ def one(request: dict[str, Any], model: str) -> dict[str, Any]:
     motion = {name: request[name] for name in COMPONENTS if name in request}
     jump = llsrbm.Jump(robot=request["robot"], model=model, **motion)
     try:
-        # Not `llsrbm.plan`, which would look for what a jump that is stopped needs.
-        plan = planner_for(jump.robot, model).plan(jump, guesses=True, explains=False)
+        plan = planner_for(jump.robot, model).plan(jump)
     except llsrbm.NotConverged as error:
         return {**request, "planned": False, "why": str(error)}
     rollout = llsrbm.simulate(plan, seed=request["seed"])

@@ -8,7 +8,7 @@ request are reduced alike.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -227,19 +227,24 @@ def _starts(
 
 
 def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch) -> Attempt | None:
-    """The plain problem's solution: of whole steps, or just as it is, or of a few steps less."""
+    """The plain problem's solution: of whole steps, or else just as it is.
+
+    Of some steps less where the whole body objects to it as it is.
+    """
     plain = formulation.plain
     start = formulation.plainly(elastic.task, elastic.solution)
     minded = formulation.minding(elastic) if elastic.broken else elastic.task
-    for jump in _rounded(elastic.task) if elastic.solution.converged else ():
+    as_it_is = elastic.solved and _stands(elastic.task)
+    further = FURTHER[: 1 if as_it_is else None]
+    for jump in _rounded(elastic.task, further) if elastic.solution.converged else ():
         task = replace(placed(minded, jump), wanted=None)
         attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
         if attempt.solved and _stands(attempt.task):
             return attempt
-        if elastic.solved and _stands(elastic.task):
-            solution = replace(elastic.solution, **vars(start))
-            return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
-    return None
+    if not as_it_is:
+        return None
+    solution = replace(elastic.solution, **vars(start))
+    return replace(elastic, task=replace(elastic.task, wanted=None), solution=solution)
 
 
 def _given_up(elastic: Attempt) -> bool:
@@ -265,16 +270,17 @@ def distance(task: Task, jump: Jump) -> float:
     return math.hypot(*shares)
 
 
-def _rounded(task: Task) -> Iterator[Jump]:
+def _rounded(task: Task, furthers: Iterable[float]) -> Iterator[Jump]:
     """Jumps of whole steps near a task's: what was asked if that is near, the next less, and less.
 
-    A component counts as given up where it is off by more than half a step.
+    A component counts as given up where it is off by more than half a step. `furthers`: shares of
+    the ranges by which less is asked for.
     """
     wanted, reached = task.wanted, task.jump
     assert wanted is not None
     if distance(task, reached) <= NEXT_TO_NOTHING:
         yield wanted
-    for further in FURTHER if distance(task, reached) > NOTHING else ():
+    for further in furthers if distance(task, reached) > NOTHING else ():
         steps = {}
         for name, step in STEPS.items():
             whole, value = getattr(wanted, name), getattr(reached, name)

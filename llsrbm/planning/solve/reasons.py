@@ -158,7 +158,10 @@ def stops_of(nearest: Nearest, watch: Watch) -> tuple[Stop, ...]:
 
 
 def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
-    """The value that a request needs of one limit; None: more of it alone does not do."""
+    """The value that a request needs of one limit; None: more of it alone does not do.
+
+    It is what the rows need: where the whole body objects to that motion nothing is solved again.
+    """
     value, missing = gain.value, _missing(nearest.elastic)
     step = gain.looser * FIRST_TRY * missing / max(gain.slope, 1e-9)
     for _ in range(TRIES):
