@@ -34,6 +34,7 @@ def plan(
     guesses: bool = True,
     patient: bool = True,
     explains: bool = True,
+    hurried: bool = False,
     refine: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[PlanningProgress], None] | None = None,
@@ -52,6 +53,8 @@ def plan(
         patient: look for the nearest jump that can be planned where the request cannot at once; now
             and then that is the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
+        hurried: take the first nearer jump that is found and explain nothing, for a slider that
+            moves: a third of the time.
         refine: a second stage on the whole body's equations of motion, with every joint's stops,
             drives and friction, near the plan of the first. Where it does not converge the first
             one's plan is returned: `Plan.refined` says which.
@@ -78,6 +81,7 @@ def plan(
         guesses=guesses,
         patient=patient,
         explains=explains,
+        hurried=hurried,
         cancelled=cancelled,
         progress=progress,
     )

@@ -65,12 +65,12 @@ class LibraryPlanner:
         ):
             near = None
         # A slider that moves does not wait for a solver that has to be built first.
-        looks = task.patient or self._has_nearest(task.jump)
+        looks = self._has_nearest(task) or task.patient
         how: dict[str, Any] = {
             "weights": task.tuning.weights,
             "limits": task.tuning.limits,
             "patient": looks,
-            "explains": task.patient,
+            "hurried": not task.patient,
             "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             "cancelled": cancelled,
         }
@@ -153,12 +153,16 @@ class LibraryPlanner:
         progress("checking the motion at 1 kHz")
         return certify(task.motion)
 
-    def _has_nearest(self, jump: Jump) -> bool:
-        """Whether nearer jumps can be looked for; else their solver is built beside all else."""
+    def _has_nearest(self, task: protocol.PlanJump) -> bool:
+        """Whether nearer jumps can be looked for; for a slider, it is built."""
         from llsrbm.planning.solve.planner import planner_of
 
-        built = planner_of(jump).has_nearest_built(jump)
-        if not built and protocol.solver_of(jump) not in self._spare:
+        jump = task.jump
+        planner = planner_of(jump)
+        built = planner.has_nearest_built(jump)
+        if built:
+            planner.prepare_nearest(jump)  # a second, which the first slider shall not wait for
+        elif not task.patient and protocol.solver_of(jump) not in self._spare:
             self._spare.add(protocol.solver_of(jump))
             spare_solvers.build(jump)
         return built

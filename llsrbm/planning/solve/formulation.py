@@ -144,13 +144,15 @@ class Formulation:
         attempts: list[Attempt] = []
         for _ in range(FOLLOWS):
             solve = partial(self.solver.follow, problem, start)
-            attempts.append(self.judged(task, watch.over(solve)))
-            if attempts[-1].solved or not attempts[-1].solution.converged:
+            last = self.judged(task, watch.over(solve))
+            attempts.append(last)
+            # What the whole body alone says, solving the same rows once more does not mend.
+            if last.solved or last.broken <= self.mended:
                 break
-            start = attempts[-1].solution
+            start = last.solution
         return with_all_time(attempts)
 
-    def agreed(self, attempt: Attempt, watch: Watch) -> Attempt:
+    def agreed(self, attempt: Attempt, watch: Watch, *, hurried: bool = False) -> Attempt:
         """An attempt solved again until model and whole body agree, where they alone differ.
 
         The legs' maps are a few per cent wrong far from where they were fitted, which a body that
@@ -170,7 +172,7 @@ class Formulation:
                 break
             task = self.minding(last)
             near = excess(last.violations) < NEAR_ENOUGH
-            attempts.extend(self.again(task, last.solution, watch, near))
+            attempts.extend(self.again(task, last.solution, watch, near, hurried=hurried))
             before, last = last, attempts[-1]
             if excess(last.violations) > SHRINKS * excess(before.violations):
                 break
@@ -184,13 +186,15 @@ class Formulation:
             task = replace(task, correction=correction(last.knots))
         return task
 
-    def again(self, task: Task, last: Iterate, watch: Watch, near: bool = True) -> list[Attempt]:
+    def again(
+        self, task: Task, last: Iterate, watch: Watch, near: bool = True, *, hurried: bool = False
+    ) -> list[Attempt]:
         """Solve a task whose numbers differ a little from those of a solution's.
 
-        `near`: so little that following may do.
+        `near`: so little that following may do. `hurried`: no more than that is tried then.
         """
         tried = [self.follow(task, last, watch)] if near else []
-        if not tried or not tried[-1].solution.converged:
+        if not tried or not (tried[-1].solution.converged or hurried):
             tried.append(self.solve(task, last.variables, watch, CLOSE))
         return tried
 

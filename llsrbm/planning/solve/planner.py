@@ -8,12 +8,11 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
-from llsrbm.errors import InputError, UnusableStart
+from llsrbm.errors import InputError
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import NEAREST, Plan
 from llsrbm.ocp import solvers
-from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.elastic import ElasticLayout
 from llsrbm.planning.problem.knots import Knots
@@ -21,15 +20,15 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import excess
+from llsrbm.planning.solve.attempts import by_stronger_drives, from_nearby, usable_start
 from llsrbm.planning.solve.formulation import (
-    CLOSE,
     Array,
     Attempt,
     Formulation,
     solve_options,
-    with_all_time,
 )
 from llsrbm.planning.solve.guess_table import Guesses
+from llsrbm.planning.solve.hurried import find_roughly, minding_near
 from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.reasons import refusal, unexplained
@@ -50,12 +49,6 @@ BY_NEARER = "by way of nearer jumps"
 # From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
 # ten are planned by then, of other robots' 98 in 100.
 HURRIED = replace(solvers.PATIENT, iterations=35)
-# Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
-# solved by following, in 4 iterations at the median; of the others every second one, in more.
-NEARBY_MISS = 0.1
-# The others: SLIDER's jumps take 13 iterations so, 16 with the first patience, and 18 from the
-# analytic guess.
-NEARER = replace(CLOSE, iterations=30)
 
 
 class Planner:
@@ -124,6 +117,7 @@ class Planner:
         guesses: bool = False,
         patient: bool = True,
         explains: bool = True,
+        hurried: bool = False,
         cancelled: Callable[[], bool] | None = None,
         progress: Progress | None = None,
     ) -> Plan:
@@ -140,6 +134,8 @@ class Planner:
             patient: look for the nearest jump that can be planned where the request cannot at once;
                 now and then that is the request itself. Otherwise the first attempts are all.
             explains: whether what the request would need is found out, by further solves.
+            hurried: take the first nearer jump that is found, which may not be quite the nearest,
+                and explain nothing: for a slider that moves.
             cancelled: called before and during every solve; true to stop.
             progress: called with each attempt and the solver's iterations.
 
@@ -159,37 +155,63 @@ class Planner:
         watch, start = Watch(cancelled, progress), time.perf_counter()
         watch.wait()
         looks = patient and self._has_nearest(task)
-        nearest: Nearest | None = None
-        if looks and near is not None and near.is_nearest:
-            # What is asked now will hardly do where the request before did not.
-            nearest = self._nearest(task, self._less(task, near), watch)
-        tried = [] if nearest else self._tried(task, near, guesses, looks, watch)
-        if looks and not any(attempt.solved for attempt in tried):
-            last = [(jump, attempt.solution.variables) for attempt in tried[-1:]]
-            nearest = nearest or self._nearest(task, last[0] if last else None, watch)
+        hurried = hurried and looks
+        if hurried and near is not None:
+            tried, nearest = self._from_near(task, near, watch)
+        else:
+            tried, nearest = self._from_scratch(task, near, guesses, looks, hurried, watch)
         if nearest is not None:
             whole = nearest.plain.task.jump == jump
             tried.append(replace(nearest.plain, label=BY_NEARER if whole else NEAREST))
-        return self._ended(task, tried, nearest, start, explains, watch)
+        return self._ended(task, tried, nearest, start, explains and not hurried, watch)
 
-    def _tried(
-        self, task: Task, near: Plan | None, guesses: bool, hurried: bool, watch: Watch
-    ) -> list[Attempt]:
-        """Attempts at the request until one succeeds."""
+    def _from_scratch(
+        self,
+        task: Task,
+        near: Plan | None,
+        guesses: bool,
+        looks: bool,
+        hurried: bool,
+        watch: Watch,
+    ) -> tuple[list[Attempt], Nearest | None]:
+        """Attempts at the request, and the nearest jump if all have failed and it is looked for."""
+        if looks and near is not None and near.is_nearest:
+            # What is asked now will hardly do where the request before did not.
+            nearest = find_nearest(self._elastic(task), task, watch, self._less(task, near))
+            if nearest is not None:
+                return [], nearest
         tried: list[Attempt] = []
-        for label, solve in self._attempts(task, near, guesses, hurried, watch):
+        for label, solve in self._attempts(task, near, guesses, looks, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
             tried.append(replace(self.formulation.agreed(solve(), watch), label=label))
             if tried[-1].solved:
-                break
+                return tried, None
             _log.info("attempt %d, %s, failed", len(tried), label)
-        return tried
-
-    def _nearest(
-        self, task: Task, begun: tuple[Jump, Array] | None, watch: Watch
-    ) -> Nearest | None:
+        if not looks:
+            return tried, None
         watch.begin("looking for the nearest jump that can be planned")
-        return find_nearest(self._elastic(task), task, watch, begun)
+        find = find_roughly if hurried else find_nearest
+        begun = task.jump, tried[-1].solution.variables
+        return tried, find(self._elastic(task), task, watch=watch, begun=begun)
+
+    def _from_near(
+        self, task: Task, near: Plan, watch: Watch
+    ) -> tuple[list[Attempt], Nearest | None]:
+        """The same in a hurry: from a plan nearby, of all that was asked or of the nearest jump."""
+        form, tried = self.formulation, list[Attempt]()
+        start = usable_start(near, form)
+        watch.begin(f"attempt 1: {FOLLOWED}")
+        minded = minding_near(form, task, near.jump, start)
+        if not near.is_nearest:
+            attempt = form.agreed(form.follow(minded, start, watch), watch, hurried=True)
+            if attempt.solved:
+                return [replace(attempt, label=FOLLOWED)], None
+            tried = [attempt]
+        watch.begin("looking for the nearest jump that can be planned")
+        found = find_roughly(self._elastic(task), minded, (near.jump, start.variables), watch)
+        if found is None and not tried:  # a refusal says where the request stopped
+            tried = [form.follow(minded, start, watch)]
+        return tried, found
 
     def _ended(
         self,
@@ -263,77 +285,20 @@ class Planner:
         """
         guess = self.formulation.guess
         if near is not None:
-            start = self._start(near)
+            start = usable_start(near, self.formulation)
             yield FOLLOWED, lambda: self.formulation.follow(task, start, watch)
         nearby = self.guesses.start(task) if guesses else None
         if nearby is not None:
-            yield NEARBY, lambda: self._from_nearby(nearby, task, watch)
+            yield NEARBY, lambda: from_nearby(self.formulation, nearby, task, watch)
         if nearby is None or not hurried:
             options = HURRIED if hurried else solve_options(task)
             solve = partial(self.formulation.solve, task, guess(task), watch, options)
             yield "from the analytic guess", solve
         if task.jump.turns:
-            yield "by way of stronger drives", lambda: self._by_stronger_drives(task, watch)
-
-    def _by_stronger_drives(self, task: Task, watch: Watch) -> Attempt:
-        """Solve with drives that give more first, then with less, each from the one before."""
-        attempts: list[Attempt] = []
-        start: Array | None = None
-        for stronger in self.formulation.stronger(task):
-            guess = self.formulation.guess(stronger) if start is None else start
-            attempts.append(self._solve(stronger, guess, watch))
-            if attempts[-1].solution.converged:
-                start = attempts[-1].solution.variables
-            elif start is not None:
-                break
-        return with_all_time(attempts)
-
-    def _start(self, near: Plan) -> Iterate:
-        """A plan's solution, from which the next one starts.
-
-        Raises:
-            UnusableStart: it is not this planner's.
-        """
-        knots, of = len(near.time), near.jump
-        # A refined plan has knots of its own; its solution is of the first stage, and of its size.
-        fits = near.refined or knots == self.layout.knots
-        if (
-            of.model != self.model.name
-            or not fits
-            or near.robot_parameters != self.robot.parameters()
-        ):
-            raise UnusableStart(
-                f"near: a plan of {of.robot} with {of.model} and {knots - 1} intervals cannot be "
-                f"started from; expected {self.robot.name} as it is now with {self.model.name} "
-                f"and {self.layout.knots - 1} intervals"
+            yield (
+                "by way of stronger drives",
+                lambda: by_stronger_drives(self.formulation, task, watch),
             )
-        solution = near.solution
-        if solution is None:
-            raise UnusableStart(
-                "near: a plan that did not converge, or whose file was written before files held "
-                "what that takes, cannot be started from; expected one that converged"
-            )
-        sizes = len(solution.variables), len(solution.multipliers)
-        expected = self.formulation.solver.sizes
-        if sizes != expected:
-            raise UnusableStart(
-                f"near: the plan is of another version of the planner: {sizes[0]} variables and "
-                f"{sizes[1]} constraints; expected {expected[0]} and {expected[1]}"
-            )
-        return solution
-
-    def _from_nearby(self, start: Iterate, task: Task, watch: Watch) -> Attempt:
-        """Follow from near; from further off, and where following creeps, solve from there."""
-        attempts: list[Attempt] = []
-        form = self.formulation
-        if form.solver.miss(form.problem(task), start.variables) < NEARBY_MISS:
-            attempts.append(form.follow(task, start, watch))
-        if not attempts or not attempts[-1].solved:
-            attempts.append(form.solve(task, start.variables, watch, NEARER))
-        return with_all_time(attempts)
-
-    def _solve(self, task: Task, guess: Array, watch: Watch) -> Attempt:
-        return self.formulation.solve(task, guess, watch, solve_options(task))
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""

@@ -58,7 +58,7 @@ def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):
     assert jump == JUMP
     assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
     assert options["near"] is near
-    assert options["explains"] is False
+    assert options["hurried"] is True
     assert options["cancelled"] is never
 
 

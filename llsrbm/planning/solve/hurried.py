@@ -1,0 +1,91 @@
+"""An answer for a slider that moves: the first jump that is found near a request, as it is.
+
+The nearest one, in whole steps and with its reasons, is looked for once the slider rests
+(`solve.nearest`); this takes a third of the time of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.ocp import solvers
+from llsrbm.ocp.horizon import Iterate, Solution
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.formulation import Attempt, Formulation
+from llsrbm.planning.solve.nearest import (
+    AGAIN,
+    ElasticFormulation,
+    Nearest,
+    as_asked,
+    as_it_is,
+    placed,
+    stands,
+    starts,
+)
+from llsrbm.planning.solve.progress import Watch
+from llsrbm.request.jump import Jump
+
+Array = NDArray[np.float64]
+
+# From a plan that violates no row of the elastic problem by more: 9 to 25 iterations.
+CLOSE_BY = 0.1
+CLOSE = replace(solvers.PATIENT, mu=1e-4, push=1e-3, iterations=50)
+TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
+
+
+def minding_near(formulation: Formulation, task: Task, jump: Jump, solution: Iterate) -> Task:
+    """A task, with what the whole body says of the solution of a jump nearby in its bounds.
+
+    Where that one meets a limit, so will this: without it every step of a slider would be solved,
+    checked and solved again.
+    """
+    there = Solution(
+        variables=solution.variables,
+        multipliers=solution.multipliers,
+        converged=True,
+        iterations=0,
+        cost=0.0,
+        solve_time_s=0.0,
+        violation=0.0,
+        message="a plan nearby",
+    )
+    last = formulation.judged(placed(task, jump), there)
+    return replace(task, agreed_bounds=formulation.minding(last).agreed_bounds)
+
+
+def find_roughly(
+    formulation: ElasticFormulation, task: Task, begun: tuple[Jump, Array], watch: Watch
+) -> Nearest | None:
+    """A jump near a task's, often the request itself; None: none was found in a hurry.
+
+    Args:
+        formulation: of the elastic problem.
+        task: the request's.
+        begun: the jump of a solution nearby, and all its plain variables, or those of where solving
+            the request was given up.
+        watch: reports and cancels.
+
+    Raises:
+        Cancelled: it is not wanted any more.
+    """
+    for start, options, penalty in starts(formulation, task, begun):
+        close = formulation.solver.miss(formulation.problem(task), start) < CLOSE_BY
+        way = replace(formulation, penalty=penalty)
+        elastic = way.solve(task, start, watch, CLOSE if close else options)
+        if elastic.solution.converged:
+            return _first_that_stands(way, elastic, watch)
+    return None
+
+
+def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) -> Nearest | None:
+    for _ in range(TRIES):
+        for plain in (as_asked(way, elastic), as_it_is(way, elastic)):
+            if plain.solved and stands(plain.task):
+                return Nearest(plain, elastic, way)
+        elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, AGAIN)
+        if not elastic.solution.converged:
+            break
+    return None
