@@ -7,7 +7,8 @@ planned as the page and `llsrbm plan` do. Times are from request to answer, as m
 median of plain cold plans in the same run: from the analytic guess, solved by the first attempt.
 Of refusals what is named is checked: with that limit alone, or with both where two are said to stop
 it together, the request has to be planned: as loose as is said to be needed, or at the loose end.
-`--limit NAME=VALUE` tightens limits, for more refusals; `--out` keeps a line a request.
+`--limit NAME=VALUE` tightens limits, for more refusals; `--hurried` takes the page's first answer,
+the nearest jump as first found, its reasons unchecked; `--out` keeps a line a request.
 """
 
 from __future__ import annotations
@@ -40,12 +41,12 @@ def requests(robot: str, count: int, seed: int) -> list[Jump]:
     ]
 
 
-def answer(planner: Planner, jump: Jump, limits: dict[str, float]) -> dict[str, Any]:
+def answer(planner: Planner, jump: Jump, limits: dict[str, float], hurried: bool) -> dict[str, Any]:
     """One request's answer."""
     row: dict[str, Any] = {"request": jump.as_dict(), "limits": limits}
     start = time.perf_counter()
     try:
-        planner.plan(jump, limits=limits, guesses=True)
+        planner.plan(jump, limits=limits, guesses=True, hurried=hurried)
     except llsrbm.NotConverged as error:
         row |= {"seconds": time.perf_counter() - start, "reason": error.reason}
         if error.nearest is not None:
@@ -54,7 +55,7 @@ def answer(planner: Planner, jump: Jump, limits: dict[str, float]) -> dict[str, 
             row["distance"] = distance(task, error.nearest.jump)
             named = error.stops[: 1 if error.stops and error.stops[0].amount > 0 else 2]
             row["named"] = [stop.limit for stop in named]
-            row["right"] = _enough(planner, jump, limits, named)
+            row["right"] = not hurried and _enough(planner, jump, limits, named)
         return row
     row |= {"seconds": time.perf_counter() - start}
     assert planner.last is not None
@@ -96,6 +97,7 @@ def main(
     requests_each: Annotated[int, typer.Option("--requests")] = 200,
     seed: int = 950,
     limit: Annotated[list[str], typer.Option(help="NAME=VALUE")] = [],  # noqa: B006
+    hurried: Annotated[bool, typer.Option(help="The page's first answer.")] = False,
     out: Path | None = None,
 ) -> None:
     """Answer all requests, and print a line a robot."""
@@ -107,7 +109,7 @@ def main(
         planner.prepare_nearest(Jump(robot=name), settle=True)
         jumps = requests(name, requests_each, seed)
         cold = cold_time(planner, jumps[:COLD_PLANS])
-        found = [answer(planner, jump, limits) for jump in jumps]
+        found = [answer(planner, jump, limits, hurried) for jump in jumps]
         print(summary(name, found, cold), flush=True)
         rows += found
     if out is not None:

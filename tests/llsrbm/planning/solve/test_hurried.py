@@ -1,0 +1,95 @@
+"""What a slider that moves is answered with, beside what it is answered with when it rests."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.errors import NotConverged
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.violations import TOLERANCE, excess
+from llsrbm.planning.solve.hurried import find_roughly, minding_near
+from llsrbm.planning.solve.nearest import distance
+from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.solve.progress import Watch
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+
+ANYMAL = load_robot("anymal")
+LIMITS = {"torque_share": 0.5}
+START = Jump(twist=math.radians(96))
+DEGREES = (*range(99, 172, 18), *range(162, 98, -18))  # of a slider, there and back
+
+
+def answer(jump, near=None, **options):
+    """The plan of a request, or of the nearest jump that is found."""
+    try:
+        return llsrbm.plan(jump, near=near, limits=LIMITS, **options)
+    except NotConverged as error:
+        return error.nearest
+
+
+@pytest.fixture(scope="module")
+def drag():
+    """(request, plan that is shown) of every step."""
+    shown, steps = answer(START), []
+    for degrees in DEGREES:
+        jump = replace(START, twist=math.radians(degrees))
+        shown = answer(jump, near=shown, hurried=True)
+        steps.append((jump, shown))
+    return steps
+
+
+def test_no_step_is_without_a_motion_and_every_motion_satisfies_all_limits(drag):
+    for jump, plan in drag:
+        assert plan is not None, jump
+        assert plan.solved
+        assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
+        assert np.abs(plan.joint_torque[:-1]).max() <= (0.5 + 0.1) * 40.0 + TOLERANCE
+        turned = plan.base_quat[-1]
+        assert 2 * math.atan2(turned[3], turned[0]) == pytest.approx(plan.jump.twist, abs=2e-3)
+
+
+def test_it_does_what_is_asked_as_far_as_that_is_possible_and_never_more(drag):
+    twists = [(jump.twist, plan.jump.twist) for jump, plan in drag]
+    assert all(done <= asked + 1e-9 for asked, done in twists)
+    assert [done for asked, done in twists if asked < math.radians(115)] == [
+        asked for asked, _ in twists if asked < math.radians(115)
+    ]
+    beyond = [plan for jump, plan in drag if jump.twist > math.radians(150)]
+    assert all(plan.is_nearest for plan in beyond)
+
+
+def test_what_a_slider_rests_at_is_about_what_was_shown_while_it_moved(drag):
+    jump, rough = max(drag, key=lambda step: step[0].twist)
+    task = make_task(jump, ANYMAL, None, LIMITS)
+    apart = distance(task, rough.jump) - distance(task, answer(jump).jump)
+    assert abs(apart) < 0.05  # of the range; 18 degrees
+
+
+def test_where_nothing_is_given_up_the_solution_is_the_plan():
+    planner = planner_for("anymal", START.model)
+    near = planner.plan(replace(START, twist=1.1))
+    jump = replace(START, twist=1.2)
+    task = make_task(jump, ANYMAL)
+    found = find_roughly(
+        planner._elastic(task), task, (near.jump, near.solution.variables), Watch()
+    )
+    assert found.plain.task.jump == jump
+    assert found.plain.solved
+
+
+def test_what_the_body_said_nearby_is_in_the_bounds():
+    """Where drives give no more, a step that is solved with it is objected to less."""
+    limit = answer(replace(START, twist=math.radians(170)))
+    form = planner_for("anymal", START.model).formulation
+    task = make_task(replace(limit.jump, lateral=0.01), ANYMAL, None, LIMITS)
+    minded = minding_near(form, task, limit.jump, limit.solution)
+    assert minded.jump == task.jump
+    without, with_it = (
+        excess(form.follow(each, limit.solution, Watch()).violations) for each in (task, minded)
+    )
+    assert without > TOLERANCE
+    assert with_it < without / 2
