@@ -146,7 +146,7 @@ class Formulation:
             solve = partial(self.solver.follow, problem, start)
             last = self.judged(task, watch.over(solve))
             attempts.append(last)
-            # What the whole body alone says, solving the same rows once more does not mend.
+            # Solving the same rows once more does not mend what the whole body alone objects to.
             if last.solved or last.broken <= self.mended:
                 break
             start = last.solution
