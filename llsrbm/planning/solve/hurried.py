@@ -19,8 +19,8 @@ from llsrbm.planning.solve.nearest import (
     AGAIN,
     ElasticFormulation,
     Nearest,
-    as_asked,
     as_it_is,
+    as_request,
     placed,
     stands,
     starts,
@@ -82,7 +82,7 @@ def find_roughly(
 
 def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) -> Nearest | None:
     for _ in range(TRIES):
-        for plain in (as_asked(way, elastic), as_it_is(way, elastic)):
+        for plain in (as_request(way, elastic), as_it_is(way, elastic)):
             if plain.solved and stands(plain.task):
                 return Nearest(plain, elastic, way)
         elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, AGAIN)

@@ -235,10 +235,9 @@ def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch)
 
     Of some steps less where the whole body objects to it as it is.
     """
-    plain, asked = formulation.plain, as_asked(formulation, elastic)
-    whole = asked.task.jump == elastic.task.wanted
-    if whole and asked.solved and stands(asked.task):
-        return asked
+    plain, whole = formulation.plain, as_request(formulation, elastic)
+    if whole.task.jump == elastic.task.wanted and whole.solved and stands(whole.task):
+        return whole
     start = formulation.plainly(elastic.task, elastic.solution)
     minded = formulation.minding(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
@@ -258,7 +257,7 @@ def as_it_is(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     return replace(elastic, task=task, solution=solution)
 
 
-def as_asked(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
+def as_request(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     """An elastic solution as one of what was asked: it is that where nothing is given up."""
     wanted, plain = elastic.task.wanted, as_it_is(formulation, elastic)
     if wanted is None or _given_up(elastic):
