@@ -54,7 +54,7 @@ def plan(
             and then that is the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
         hurried: take the first nearer jump that is found and explain nothing, for a slider that
-            moves: a third of the time.
+            moves: in half the time or less.
         refine: a second stage on the whole body's equations of motion, with every joint's stops,
             drives and friction, near the plan of the first. Where it does not converge the first
             one's plan is returned: `Plan.refined` says which.

@@ -154,7 +154,7 @@ class LibraryPlanner:
         return certify(task.motion)
 
     def _has_nearest(self, task: protocol.PlanJump) -> bool:
-        """Whether nearer jumps can be looked for; for a slider, it is built."""
+        """Whether the solver of nearer jumps is at hand; a slider has it built beside all else."""
         from llsrbm.planning.solve.planner import planner_of
 
         jump = task.jump

@@ -1,7 +1,7 @@
 """An answer for a slider that moves: the first jump that is found near a request, as it is.
 
 The nearest one, in whole steps and with its reasons, is looked for once the slider rests
-(`solve.nearest`); this takes a third of the time of that.
+(`solve.nearest`), which takes twice the time or more.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.attempts import NEARBY_MISS
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.nearest import (
     AGAIN,
@@ -30,9 +31,8 @@ from llsrbm.request.jump import Jump
 
 Array = NDArray[np.float64]
 
-# From a plan that violates no row of the elastic problem by more: 9 to 25 iterations.
-CLOSE_BY = 0.1
-CLOSE = replace(solvers.PATIENT, mu=1e-4, push=1e-3, iterations=50)
+# From a plan nearby, as `attempts.NEARBY_MISS` has it: 9 to 25 iterations.
+FROM_NEARBY = replace(solvers.PATIENT, mu=1e-4, push=1e-3, iterations=50)
 TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
@@ -72,9 +72,9 @@ def find_roughly(
         Cancelled: it is not wanted any more.
     """
     for start, options, penalty in starts(formulation, task, begun):
-        close = formulation.solver.miss(formulation.problem(task), start) < CLOSE_BY
+        close = formulation.solver.miss(formulation.problem(task), start) < NEARBY_MISS
         way = replace(formulation, penalty=penalty)
-        elastic = way.solve(task, start, watch, CLOSE if close else options)
+        elastic = way.solve(task, start, watch, FROM_NEARBY if close else options)
         if elastic.solution.converged:
             return _first_that_stands(way, elastic, watch)
     return None
