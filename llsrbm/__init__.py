@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
+    from llsrbm.planning.whole_body.feedback import with_feedback
     from llsrbm.request.design import Design, dump_design, load_design
 
 # CasADi and Pinocchio take most of a second to import: only when they are used.
@@ -46,6 +47,7 @@ _LATER = {
         "llsrbm.motion.trajectory": ("load",),
         "llsrbm.motion.plan": ("Plan",),
         "llsrbm.motion.rollout": ("Rollout",),
+        "llsrbm.planning.whole_body.feedback": ("with_feedback",),
     }.items()
     for name in names
 }
@@ -74,6 +76,7 @@ __all__ = [
     "load_motion",
     "plan",
     "simulate",
+    "with_feedback",
 ]
 
 

@@ -68,7 +68,7 @@ def plan_command(
         if out is not None or as_json:
             plan = certified(plan)
         if out is not None:
-            plan.save(out)
+            (llsrbm.with_feedback(plan) if plan.refined else plan).save(out)
         lines = {} if as_json else _description(plan)
         summary = plan_summary(plan) | (refusal_summary(failure) if failure else {})
         if as_json:

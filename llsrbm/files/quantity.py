@@ -28,6 +28,7 @@ XYZ, WXYZ, TENSOR = "xyz", "wxyz", "tensor"
 HIP = "hip"  # coordinates of a foot in its leg's mirrored hip frame
 POSITION, VELOCITY = "qpos", "qvel"  # MuJoCo's coordinates of the whole robot
 VARIABLE, ROW = "variable", "row"  # of the planner's problem
+ERROR = "error"  # of the whole robot's state, its base's in the base's axes
 
 # Their sizes; a letter stands for one that is the same wherever the letter occurs in a file.
 SIZES: Mapping[str, tuple[int | str, ...]] = {
@@ -43,6 +44,7 @@ SIZES: Mapping[str, tuple[int | str, ...]] = {
     HIP: ("D",),
     POSITION: ("Q",),
     VELOCITY: ("V",),
+    ERROR: ("E",),
     VARIABLE: ("n",),
     ROW: ("m",),
 }

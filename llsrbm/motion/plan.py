@@ -24,6 +24,7 @@ from llsrbm.files.native import (
 from llsrbm.files.npz import Arrays, checked, read_archive, write_archive
 from llsrbm.files.quantity import (
     CONTACT,
+    ERROR,
     HIP,
     JOINT,
     LEG,
@@ -147,6 +148,7 @@ class Plan(OfRobot):
         refinement: of the second stage, if there was one. Knots of a refined plan are those of its
             intervals and the middles between them; `report` and `solution` are of the first stage.
         certificate: findings of `llsrbm.certify`, once `llsrbm.certified` has added them.
+        feedback_gain: likewise of `llsrbm.with_feedback`, which says what it is.
 
     Velocities and torques of the joints are None in a plan that failed so badly that its motion has
     none.
@@ -224,6 +226,17 @@ class Plan(OfRobot):
         Array | None,
         of_joints("Nm", "of the drives at that speed, in the torque's direction", Between.HELD),
     ] = None
+    feedback_gain: Annotated[
+        Array | None,
+        Quantity(
+            (TIME, JOINT, ERROR),
+            "Nm",
+            "what a torque falls by for each part of the state's error, one of each SI unit",
+            Between.HELD,
+            "base",
+            listed=False,
+        ),
+    ] = field(default=None, repr=False)
     tuning: Tuning = field(default_factory=Tuning)
     solution: Iterate | None = field(default=None, repr=False)
     obstacle: Obstacle | None = None
@@ -304,8 +317,9 @@ class Plan(OfRobot):
         check_schema(arrays, path, SCHEMA)
         meta = read_meta(_Meta, arrays, path)
         layout = quantities(Plan)
-        if not any(key in arrays for key in _LOADS):
-            layout = {key: each for key, each in layout.items() if key not in _LOADS}
+        for optional in (_LOADS, _FEEDBACK):
+            if not any(key in arrays for key in optional):
+                layout = {key: each for key, each in layout.items() if key not in optional}
         values: dict[str, Any] = checked(arrays, layout, path)
         _check(values, meta.schedule, path)
         values["base_mass"] = float(values["base_mass"])
@@ -337,6 +351,7 @@ _STATED = (
     "certificate",
 )
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
+_FEEDBACK = ("feedback_gain",)
 _SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
 _SOLUTION_LAYOUT = {
     "solution_variables": Quantity((VARIABLE,), "", "the solver's variables"),

@@ -127,7 +127,7 @@ def test_its_file_says_so(tmp_path):
 
 def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
     first, _, _ = plans()
-    monkeypatch.setattr(refine, "OPTIONS", replace(refine.OPTIONS, iterations=2))
+    monkeypatch.setattr(refine, "SOLVES", (replace(refine.OPTIONS, iterations=2),))
     kept = refine.refined(first)
     assert not kept.refined
     assert kept.refinement.status == "not-converged"
