@@ -4,7 +4,8 @@
 
 Requests and disturbances are those of `benchmarks.range` for the seed, one simulation a plan. Plans
 are kept in the folder P: another version that is given the same folder follows the same plans, and
-one that is run `--against` the file of results that another wrote prints both.
+one that is run `--against` the file of results that another wrote prints both. `--refine` follows
+what the second stage makes of them.
 The controller was tuned on seeds below 500.
 
 Columns, over all plans: simulations that stand, strict ones; share with a yaw within 5 deg at the
@@ -29,6 +30,7 @@ from benchmarks.counting import write_lines
 from benchmarks.range import COMPONENTS, requests
 from llsrbm.motion.sampling import sampled
 from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.whole_body.refine import refined
 from llsrbm.robots import load_robot
 
 _TOUCHED = 1e-3  # of a joint's range: a stop is pressed, not passed
@@ -139,6 +141,7 @@ def main(
     seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 7100,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
     against: Annotated[Path | None, typer.Option(help="Results to print as well.")] = None,
+    refine: Annotated[bool, typer.Option("--refine", help="With the second stage.")] = False,
 ) -> None:
     """Print a row a robot."""
     plans.mkdir(parents=True, exist_ok=True)
@@ -154,6 +157,7 @@ def main(
         for request in requests(robot, count, seed):
             plan = plan_of(request, plans)
             if plan is not None:
+                plan = refined(plan) if refine else plan
                 results.append({**request, **follow(plan, request["seed"])})
         print(row(robot, results), flush=True)
         seeds = {result["seed"] for result in results}

@@ -137,7 +137,7 @@ def crocoddyl_python() -> Path:
     python = place / "bin" / "python"
     marker, packages = place / "installed", "\n".join(CROCODDYL)
     if not marker.exists() or marker.read_text() != packages:
-        venv.create(place, with_pip=True)
+        venv.create(place, with_pip=True, symlinks=True, clear=True)
         subprocess.run([str(python), "-m", "pip", "install", "--quiet", *CROCODDYL], check=True)
         marker.write_text(packages)
     return python

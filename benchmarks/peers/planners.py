@@ -126,7 +126,7 @@ class Crocoddyl:
     def plan(self, twist: float, forward: float) -> Answer | None:
         if twist or forward != 0.3:
             return None
-        figures = json.loads(self._program.request())
+        figures = json.loads(self._program.answer())
         with np.load(self._file) as arrays:
             motion = _crocoddyls(load_robot("anymal"), dict(arrays))
             moved = float(arrays["moved"])
