@@ -317,7 +317,7 @@ class Plan(OfRobot):
         check_schema(arrays, path, SCHEMA)
         meta = read_meta(_Meta, arrays, path)
         layout = quantities(Plan)
-        for optional in (_LOADS, _FEEDBACK):
+        for optional in (_LOADS, OPTIONAL):
             if not any(key in arrays for key in optional):
                 layout = {key: each for key, each in layout.items() if key not in optional}
         values: dict[str, Any] = checked(arrays, layout, path)
@@ -351,7 +351,7 @@ _STATED = (
     "certificate",
 )
 _LOADS = ("joint_velocity", "joint_torque", "joint_torque_limit")
-_FEEDBACK = ("feedback_gain",)
+OPTIONAL = ("feedback_gain",)  # arrays of plans that somebody has asked for
 _SOLUTION = {"variables": "solution_variables", "multipliers": "solution_multipliers"}
 _SOLUTION_LAYOUT = {
     "solution_variables": Quantity((VARIABLE,), "", "the solver's variables"),
