@@ -146,7 +146,7 @@ class Formulation:
             solve = partial(self.solver.follow, problem, start)
             last = self.judged(task, watch.over(solve))
             attempts.append(last)
-            # Solving the same rows once more does not mend what the whole body alone objects to.
+            # Where only the check of the whole body objects, the same rows give the same again.
             if last.solved or last.broken <= self.mended:
                 break
             start = last.solution

@@ -15,7 +15,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
-from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
 from llsrbm.robots.robot import Robot
@@ -58,8 +57,7 @@ def with_feedback(plan: Plan) -> Plan:
         return plan
     middles = (plan.time[1:] + plan.time[:-1]) / 2
     motion = motion_at(plan, np.append(middles, plan.time[-1]))
-    if motion.joint_torque is None:
-        raise InputError("feedback: the plan has no joint torques; expected one that converged")
+    assert motion.joint_torque is not None  # as the plan has them
     robot = motion.robot
     about = _About(robot, *pinocchio_states(motion.qpos, motion.qvel), motion.joint_torque)
     stands = plan.schedule.stands[plan.phase]

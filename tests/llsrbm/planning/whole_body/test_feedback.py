@@ -49,7 +49,7 @@ def test_they_come_with_the_file(tmp_path):
 
 @pytest.mark.parametrize("standing", [True, False])
 def test_the_dynamics_that_are_made_linear_are_pinocchios(standing):
-    """Inverse dynamics of the acceleration gives the torque back, and feet that stand stay."""
+    """Inverse dynamics of the acceleration gives the torque back."""
     robot = load_robot("go2")
     at = motion_at(plan(), np.array([0.5 * plan().lift_off]))
     q, v = pinocchio_states(at.qpos, at.qvel)
