@@ -13,6 +13,7 @@ from llsrbm.control.detection import CentroidalState, make_detector, model_uncer
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.joint_bounds import JointBounds
+from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
@@ -70,7 +71,7 @@ class WholeBodyController:
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
-        self._joints = JointBounds(robot)
+        self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
         feet = FootForces(body, robot.leg_joint_index, self._tick)
@@ -214,6 +215,7 @@ class WholeBodyController:
             weights.force_in_landing if following_forces else weights.force,
             torque_range(self._robot, body.v[6:]),
             self._joints.accelerations(body),
+            self._links.rows(body),
         )
 
     def _weight_carried(self, feet: Feet) -> Array:

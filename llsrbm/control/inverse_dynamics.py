@@ -4,7 +4,8 @@ min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
      tau = M_a a + h_a - J_a^T f within the drives' limits
-     a of the joints within bounds, as far as that leaves a solution: see `Qp`
+     a of the joints within bounds and S a >= least of links that are near each other, as far as
+     that leaves a solution: see `Qp`
 
 The program has the forces of those points alone that may push, the others' being zero.
 
@@ -85,10 +86,12 @@ class InverseDynamics:
         force_weight: float,
         torque_limits: tuple[Array, Array],
         accelerations: tuple[Array, Array] | None = None,
+        apart: tuple[Array, Array] | None = None,
     ) -> Command:
         """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
         `accelerations`: lowest and highest of the joints, likewise, that stops and speeds allow;
+        `apart`: S (k, J), least (k,) of `llsrbm.control.link_bounds.LinkBounds.rows`;
         `contact`: (C,) whether a point may push; `force`: (C, 3) N wanted; `force_weight`: 1/N2.
         """
         body, n = self._body, self._n
@@ -107,6 +110,9 @@ class InverseDynamics:
         np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
         if accelerations is not None:
             qp.soft_lower[_BASE:n], qp.soft_upper[_BASE:n] = accelerations
+        if apart is not None:
+            qp.soft_rows = np.zeros((len(apart[1]), len(qp.g)))
+            qp.soft_rows[:, _BASE:n], qp.soft_least = apart
         x = qp.solve()
         if x is None:
             return self._unsolved_command(torque_limits)

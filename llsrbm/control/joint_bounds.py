@@ -42,14 +42,24 @@ class JointBounds:
 
         Bounds that exclude each other change places: anything between them is allowed.
         """
-        q, v, T = body.q[7:], body.v[6:], REACTION
+        q, v = body.q[7:], body.v[6:]
         braking = self._torque / body.M.diagonal()[6:]
         # Towards the lower stop and the upper one, (2, J).
-        rate = np.stack([v, -v])
-        room = 2 * (np.stack([q, -q]) - self._stops) + T * rate
-        reach = braking * T
-        free = (np.sqrt(reach**2 + 4 * braking * np.maximum(room, 0.0)) - reach) / 2
-        towards = np.where(room > 0, free, np.maximum(room / (2 * RETURN), -reach))
-        towards = np.minimum(towards, self._speed)
-        least = (-towards - rate) / T
+        left, rate = np.stack([q, -q]) - self._stops, np.stack([v, -v])
+        least = least_acceleration(left, rate, braking, self._speed)
         return np.minimum(least[0], -least[1]), np.maximum(-least[1], least[0])
+
+
+def least_acceleration(
+    left: Array, rate: Array, braking: Array, fastest: Array | float = np.inf
+) -> Array:
+    """Least second derivative of distances of which `left` is left, `rate` their derivative.
+
+    `braking`: what the drives can give it; `fastest`: towards nothing.
+    """
+    T = REACTION
+    room, reach = 2 * left + T * rate, braking * T
+    free = (np.sqrt(reach**2 + 4 * braking * np.maximum(room, 0.0)) - reach) / 2
+    towards = np.where(room > 0, free, np.maximum(room / (2 * RETURN), -reach))
+    least: Array = (-np.minimum(towards, fastest) - rate) / T
+    return least

@@ -27,8 +27,8 @@ _ROUNDS = 6
 class Qp:
     """min 1/2 x'Hx + g'x + w/2 |outside|^2  subject to  A x = b,  lower <= C x <= upper.
 
-    `outside`: by how much x is below `soft_lower` or above `soft_upper`; w is `SOFTNESS`. As slacks
-    these bounds can never make the program infeasible.
+    `outside`: by how much x is below `soft_lower` or above `soft_upper`, and `soft_rows` x below
+    `soft_least`; w is `SOFTNESS`. As slacks these can never make the program infeasible.
     The arrays are written in place by the caller, tick by tick; a solver keeps none of them.
     Limits may be ±inf.
     """
@@ -42,6 +42,8 @@ class Qp:
     upper: Array  # (m, n), (m,), (m,) inequalities
     soft_lower: Array  # (n,)
     soft_upper: Array  # (n,)
+    soft_rows: Array  # (k, n), (k,)
+    soft_least: Array  # (k, n), (k,)
 
     @classmethod
     def zeros(cls, variables: int, equalities: int, inequalities: int) -> Qp:
@@ -56,6 +58,8 @@ class Qp:
             upper=np.full(inequalities, np.inf),
             soft_lower=np.full(variables, -np.inf),
             soft_upper=np.full(variables, np.inf),
+            soft_rows=np.zeros((0, variables)),
+            soft_least=np.zeros(0),
         )
 
     @property
@@ -72,17 +76,20 @@ class Qp:
         minimum of the pulled program oversteps: Newton's method on a piecewise quadratic cost.
         """
         x = self._under_hard_limits(self.H, self.g)
-        pulled = np.zeros(len(self.g), dtype=bool)
+        pulled: NDArray[np.bool_] = np.zeros(len(self.g) + len(self.soft_least), dtype=bool)
         for _ in range(_ROUNDS):
             if x is None:
                 return None
             low, up = x < self.soft_lower, x > self.soft_upper
-            outside = low | up
+            short = self.soft_rows @ x < self.soft_least
+            outside = np.concatenate((low | up, short))
             if (outside == pulled).all():
                 break
-            pulled, H = outside, self.H.copy()
-            H.reshape(-1)[:: len(x) + 1] += SOFTNESS * pulled
+            pulled, rows = outside, self.soft_rows[short]
+            H = self.H + SOFTNESS * (rows.T @ rows)
+            H.reshape(-1)[:: len(x) + 1] += SOFTNESS * (low | up)
             bound = np.where(low, self.soft_lower, np.where(up, self.soft_upper, 0.0))
+            bound += self.soft_least[short] @ rows
             x = self._under_hard_limits(H, self.g - SOFTNESS * bound)
         return x
 

@@ -45,6 +45,8 @@ class WholeBody:
         contact_bias: (C, 3) m/s2: `contact_jacobian @ a + contact_bias` is zero while the spheres
             roll without slipping.
         contact_velocity: (C, 3) m/s of the points that touch.
+        data: Pinocchio's, with the bodies' placements, velocities, accelerations while no joint nor
+            the base accelerates, and the joints' Jacobians.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -62,7 +64,7 @@ class WholeBody:
                 pin.FrameType.OP_FRAME,
             )
             self._frames.append(model.addFrame(frame))
-        self._model, self._data = model, model.createData()
+        self._model, self.data = model, model.createData()
         n, legs = model.nv, len(contacts)
         points = legs * len(robot.corners)
         self._no_acceleration = np.zeros(n)
@@ -106,7 +108,7 @@ class WholeBody:
 
     def update(self, q: Array, v: Array) -> None:
         """Take a state: q (nq,) and v (n,), Pinocchio's conventions."""
-        model, data = self._model, self._data
+        model, data = self._model, self.data
         self.q, self.v = q, v
         pin.crba(model, data, q)
         self.M = M = data.M.copy()  # above the diagonal
@@ -130,12 +132,12 @@ class WholeBody:
         R, omega = self.R_world_base, self.v[3:6]
         velocity = R.dot(self.v[:3] - self._trunk_lever_skew.dot(omega))
         linear = self._trunk_mass * (velocity - self.com_velocity)
-        arm = self._data.oMi[1].translation + R.dot(self._trunk_lever) - self.com
+        arm = self.data.oMi[1].translation + R.dot(self._trunk_lever) - self.com
         spin = R.dot(self._trunk_inertia.dot(omega))
         return np.concatenate([linear, spin + arm.dot(_SKEW).reshape(3, 3).dot(linear)])
 
     def _update_feet(self) -> None:
-        model, data = self._model, self._data
+        model, data = self._model, self.data
         axes = pin.LOCAL_WORLD_ALIGNED
         n, middle, placement = self.velocities, self._middle, self._placement
         jacobian, bias = middle[..., :n], middle[..., n + 1]

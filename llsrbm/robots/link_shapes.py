@@ -88,54 +88,6 @@ class LinkShapes:
                     least[t], at[t] = distance, self.pair_of[k]
         return least, at
 
-    def soonest(self, postures: Array, count: int, within: float) -> tuple[Array, Array]:
-        """Shapes that joints would bring together soonest, in postures q (T, nq).
-
-        Of those of two legs, or of a leg and the base, the soonest alone.
-
-        Returns:
-            (T, count) m, infinite where no more are `within` (m); (T, count, J) m per rad or m:
-            derivatives of these by the joints.
-        """
-        model, data = self.robot.model, self.robot.model.createData()
-        least = np.full((len(postures), count), np.inf)
-        slopes = np.zeros((*least.shape, model.nv - 6))
-        place, measure = self._by_pinocchio()
-        for t, bounds in enumerate(self._bounds(postures)):
-            place(postures[t])
-            pin.computeJointJacobians(model, data, postures[t])
-            known: dict[tuple[int, int], tuple[float, float, Array]] = {}
-            for k in np.flatnonzero(bounds < within):
-                found = measure(int(k))
-                if found.min_distance >= within:
-                    continue
-                slope = self._slope(data, int(k), found)
-                turn = found.min_distance / np.linalg.norm(slope)  # by which they would meet
-                limbs = self._limbs[k]
-                if limbs not in known or turn < known[limbs][0]:
-                    known[limbs] = turn, found.min_distance, slope
-            for i, key in enumerate(sorted(known, key=lambda limbs: known[limbs][0])[:count]):
-                _, least[t, i], slopes[t, i] = known[key]
-        return least, slopes
-
-    @cached_property
-    def _limbs(self) -> list[tuple[int, int]]:
-        """(K,) places of the legs, -1 the base, that each of the geometry's pairs belongs to."""
-        legs = self.robot.legs
-        of = {joint: place for place, leg in enumerate(legs) for joint in leg.joint_ids}
-        limb = [of.get(shape.joint, -1) for shape in self.shapes]
-        return [(limb[one], limb[other]) for one, other in self.shape_pairs]
-
-    def _slope(self, data: pin.Data, pair: int, found: coal.DistanceResult) -> Array:
-        """(J,) derivatives of a distance; the data have the Jacobians."""
-        one, other = (self.shapes[place] for place in self.shape_pairs[pair])
-        moved = [
-            _point_jacobian(self.robot.model, data, shape.joint, point)
-            for shape, point in ((one, found.getNearestPoint1()), (other, found.getNearestPoint2()))
-        ]
-        slope: Array = found.normal @ (moved[1] - moved[0])
-        return slope[6:]
-
     def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
         model, geometry = self.robot.model, self.geometry
@@ -208,7 +160,7 @@ class LinkShapes:
         """(T, K) m: what the distance of each of the geometry's pairs is at least."""
         model, data = self.robot.model, self.robot.model.createData()
         joints = [shape.joint for shape in self.shapes]
-        centre, radius = self._spheres
+        centre, radius = self.spheres
         rotation = np.empty((len(postures), len(joints), 3, 3))
         origin = np.empty(rotation.shape[:-1])
         for t, q in enumerate(postures):
@@ -223,7 +175,7 @@ class LinkShapes:
         return bounds
 
     @cached_property
-    def _spheres(self) -> tuple[Array, Array]:
+    def spheres(self) -> tuple[Array, Array]:
         """Around each shape: centre (S, 3) m in its joint's frame, radius (S,) m."""
         centres, radii = [], []
         for placed in self.geometry.geometryObjects:
@@ -231,13 +183,6 @@ class LinkShapes:
             centres.append(placed.placement.act(placed.geometry.aabb_center))
             radii.append(placed.geometry.aabb_radius)
         return np.array(centres), np.array(radii)
-
-
-def _point_jacobian(model: pin.Model, data: pin.Data, joint: int, point: Array) -> Array:
-    """(3, nv) of a point (3,) m of a body, world frame."""
-    jacobian = pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.WORLD)
-    moved: Array = jacobian[:3] + np.cross(jacobian[3:], point, axisa=0, axisc=0)
-    return moved
 
 
 @lru_cache(maxsize=16)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.planning.whole_body.grid import Grid, Sizes
-from llsrbm.robots.link_shapes import LinkShapes
+from llsrbm.robots.near_links import NearLinks
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Apart:
         q = np.hstack([base, joints[flies]])
         distance = np.full((len(joints), sizes.near), np.inf)
         slope = np.zeros((*distance.shape, sizes.joints))
-        distance[flies], slope[flies] = LinkShapes.of(robot).soonest(q, sizes.near, NEAR)
+        distance[flies], slope[flies] = NearLinks.of(robot).soonest(q, sizes.near, NEAR)
         at_zero = distance - np.einsum("knj,kj->kn", slope, joints)
         return cls(distance.min(axis=1), at_zero, slope)
 

@@ -67,19 +67,20 @@ def test_a_minimum_by_hand():
 
 
 def with_slacks(p):
-    """The program whose soft bounds are hard ones of x + s, with slacks s of their weight."""
-    n, m = len(p.g), len(p.b)
-    slack = Qp.zeros(2 * n, m, len(p.C) + n)
-    slack.H[:n, :n], slack.H[n:, n:], slack.g[:n] = p.H, SOFTNESS * np.eye(n), p.g
+    """The program whose soft rows are hard ones of C x + s, with slacks s of their weight."""
+    n, m, rows = len(p.g), len(p.b), np.vstack([np.eye(len(p.g)), p.soft_rows])
+    soft = len(rows)
+    slack = Qp.zeros(n + soft, m, len(p.C) + soft)
+    slack.H[:n, :n], slack.H[n:, n:], slack.g[:n] = p.H, SOFTNESS * np.eye(soft), p.g
     slack.A[:, :n], slack.b[:] = p.A, p.b
-    slack.C[: len(p.C), :n], slack.C[len(p.C) :] = p.C, np.hstack([np.eye(n), np.eye(n)])
-    slack.lower[:] = np.concatenate([p.lower, p.soft_lower])
-    slack.upper[:] = np.concatenate([p.upper, p.soft_upper])
+    slack.C[: len(p.C), :n], slack.C[len(p.C) :] = p.C, np.hstack([rows, np.eye(soft)])
+    slack.lower[:] = np.concatenate([p.lower, p.soft_lower, p.soft_least])
+    slack.upper[:] = np.concatenate([p.upper, p.soft_upper, np.full(soft - n, np.inf)])
     return slack
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_soft_bounds_are_slacks_and_never_make_a_program_infeasible(seed):
+def test_soft_bounds_and_rows_are_slacks_and_never_make_a_program_infeasible(seed):
     p = program(seed)
     inside = p.solve()
     rng = np.random.default_rng(seed)
@@ -87,6 +88,8 @@ def test_soft_bounds_are_slacks_and_never_make_a_program_infeasible(seed):
     side = rng.uniform(-1, 1, len(inside))
     p.soft_lower[:6] = (inside + side)[:6]
     p.soft_upper[6:] = (inside + side)[6:]
+    p.soft_rows = rng.normal(size=(3, len(inside)))
+    p.soft_least = p.soft_rows @ inside + rng.uniform(-1, 1, 3)
     x = p.solve()
     expected = with_slacks(p).solve()[: len(x)]
     np.testing.assert_allclose(x, expected, atol=1e-6)
