@@ -77,7 +77,10 @@ class NearLinks:
         return cls(LinkShapes.of(robot))
 
     def at(self, data: pin.Data, within: float) -> list[Near]:
-        """Those `within` (m) of each other, by soonest; `data`: placed, with joints' Jacobians."""
+        """Those `within` (m) of each other that joints move, by soonest.
+
+        `data`: with the bodies placed, and the joints' Jacobians.
+        """
         # Shapes whose spheres are farther apart need not be measured.
         moved = [data.oMi[joint] for joint in self._joints.tolist()]
         rotation = np.array([placement.rotation for placement in moved])[self._of_shape]
@@ -94,6 +97,8 @@ class NearLinks:
             found = pin.computeDistance(self._geometry, self._placed, k)
             if found.min_distance < within:
                 near, limbs = self._near(data, k, found), self._limbs[k]
+                if not near.slope.any():
+                    continue
                 if limbs not in known or near.turn < known[limbs].turn:
                     known[limbs] = near
         return sorted(known.values(), key=lambda near: near.turn)
