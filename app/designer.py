@@ -35,16 +35,8 @@ from app.tab.tabs import Tabs
 from app.viser_private import DesignerServer
 from app.workers.opened_file import OpenedFile
 from app.workers.pool import WorkerPool
-from app.workers.protocol import (
-    Failed,
-    PlanJump,
-    Planned,
-    Prepare,
-    Prepared,
-    Progress,
-    Refused,
-    Report,
-)
+from app.workers.reports import Failed, Planned, Prepared, Progress, Refused, Report
+from app.workers.tasks import PlanJump, Prepare
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump

@@ -127,7 +127,7 @@ def _cluster(address: str) -> Cluster:
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
     """The content of a file, if it can be opened, its robot ready to be drawn."""
-    from app.workers.protocol import OpenFile
+    from app.workers.tasks import OpenFile
     from app.workers.worker import LibraryPlanner
     from llsrbm.robots import names
 

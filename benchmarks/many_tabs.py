@@ -28,7 +28,8 @@ import numpy as np
 
 from app.workers.cluster import Cluster
 from app.workers.pool import WorkerPool
-from app.workers.protocol import Failed, Partial, PlanJump, Planned, Simulated, SimulateJump
+from app.workers.reports import Failed, Partial, Planned, Simulated
+from app.workers.tasks import PlanJump, SimulateJump
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 

@@ -21,7 +21,8 @@ from collections import Counter
 import numpy as np
 
 from app.workers.pool import WorkerPool
-from app.workers.protocol import Failed, Partial, PlanJump, Planned, SimulateJump
+from app.workers.reports import Failed, Partial, Planned
+from app.workers.tasks import PlanJump, SimulateJump
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from tests.app.planners import ITERATING, SyntheticPlanner

@@ -16,7 +16,7 @@ from app.panel.acts import Act
 from app.panel.panel import Panel
 from app.tab.effects import Effect, Keep, Notify, Play, Queue, Reported, ResetControls, Seek, Submit
 from app.tab.state import TabState
-from app.workers.protocol import Task
+from app.workers.tasks import Task
 
 Step = tuple[TabState, tuple[Effect, ...]]
 """A tab's next state, and what has to be done outside of it."""

@@ -9,7 +9,7 @@ from app.panel.acts import Act
 from app.tab.acts import Step, on, submit_beside
 from app.tab.effects import Queue, Reported
 from app.tab.state import Check, TabState
-from app.workers import protocol
+from app.workers import reports, tasks
 from llsrbm.certificate import stated
 
 
@@ -28,7 +28,7 @@ def check(state: TabState, _: CertificateAsked | None = None) -> Step:
     known = stated(motion)
     if known is not None:  # of a file
         return replace(state, check=Check(motion, 0, known)), ()
-    state, effects = submit_beside(state, Queue.CHECK, protocol.CheckMotion(motion))
+    state, effects = submit_beside(state, Queue.CHECK, tasks.CheckMotion(motion))
     return replace(state, check=Check(motion, state.tickets, note="Checking ...")), effects
 
 
@@ -38,10 +38,10 @@ def take_check(state: TabState, event: Reported) -> TabState:
     if state.check is None or event.ticket != state.check.ticket:
         return state
     match event.report:
-        case protocol.Checked(certificate=certificate):
+        case reports.Checked(certificate=certificate):
             return replace(state, check=replace(state.check, certificate=certificate, note=""))
-        case protocol.Failed(message=message):
+        case reports.Failed(message=message):
             return replace(state, check=replace(state.check, note=f"Not checked: {message}"))
-        case protocol.Cancelled():
+        case reports.Cancelled():
             return replace(state, check=None)
     return state

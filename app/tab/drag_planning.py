@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
-from app.workers.protocol import PlanJump
+from app.workers.tasks import PlanJump
 from llsrbm.motion.plan import Plan
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning

@@ -15,7 +15,8 @@ import viser
 from app.link import PageLink
 from app.tab.inbox import Inbox
 from app.workers.pool import WorkerPool
-from app.workers.protocol import Report, Task
+from app.workers.reports import Report
+from app.workers.tasks import Task
 from llsrbm.errors import Error
 from llsrbm.look.visuals import needs_preparation
 from llsrbm.request.design import Design, dump_design

@@ -15,7 +15,8 @@ import numpy as np
 from app.link import PageLink
 from app.panel.jump_controls import TINTED
 from app.tab.state import TabState
-from app.workers.protocol import PlanJump, Planned, Refused, Report, Task
+from app.workers.reports import Planned, Refused, Report
+from app.workers.tasks import PlanJump, Task
 from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, why_unknown
 from llsrbm.motion.plan import Plan
 from llsrbm.request.jump import Jump

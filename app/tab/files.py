@@ -11,7 +11,7 @@ from app.tab.acts import Step, on, reads, submit_beside
 from app.tab.effects import Download, Notify, Queue, Reported, Stop
 from app.tab.planning import plan_design, remember, show_given
 from app.tab.state import Given, Pin, TabState, free_colour
-from app.workers import protocol
+from app.workers import reports, tasks
 from app.workers.opened_file import OpenedFile, States
 from llsrbm.errors import Error
 from llsrbm.formats import FORMATS
@@ -38,7 +38,7 @@ def open_file(state: TabState, event: FileChosen) -> Step:
     if event.name.lower().endswith(".csv"):  # the others say their own
         fps = state.export.rate
         state = replace(state, export=replace(state.export, rate_needed=True))
-    task = protocol.OpenFile(event.name, event.content, state.design.jump.robot, fps)
+    task = tasks.OpenFile(event.name, event.content, state.design.jump.robot, fps)
     state, effects = submit_beside(state, Queue.OPEN, task)
     return state.with_files(opening=state.tickets, opening_note=""), effects
 
@@ -49,11 +49,11 @@ def take_opening(state: TabState, event: Reported) -> Step:
     if event.ticket != state.files.opening:
         return state, ()
     match event.report:
-        case protocol.Progress(text=text):
+        case reports.Progress(text=text):
             return state.with_files(opening_note=text), ()
-        case protocol.Opened(file=file):
+        case reports.Opened(file=file):
             return show_file(state.with_files(opening=0, opening_note=""), file)
-        case protocol.Failed(message=message):
+        case reports.Failed(message=message):
             return _refused(state.with_files(opening=0, opening_note=""), message)
     return state.with_files(opening=0, opening_note=""), ()
 
@@ -169,7 +169,7 @@ def export(state: TabState) -> Step:
     saved = ", ".join(choice.formats)
     if state.check is not None and state.check.motion is motion and state.check.certificate:
         motion = replace(motion, certificate=state.check.certificate.as_dict())
-    task = protocol.ExportMotion(motion, choice.formats, bool(choice.also), choice.options)
+    task = tasks.ExportMotion(motion, choice.formats, bool(choice.also), choice.options)
     state, effects = submit_beside(state, Queue.SAVE, task)
     note = f"Exporting {saved} ..."
     return state.with_files(saving=state.tickets, saved=saved, saving_note=note), effects
@@ -181,16 +181,16 @@ def take_saving(state: TabState, event: Reported) -> Step:
     files, report = state.files, event.report
     if event.ticket != files.saving:
         return state, ()
-    if isinstance(report, protocol.Progress):
+    if isinstance(report, reports.Progress):
         waits = f" ({report.text})" if report.waiting else ""
         return state.with_files(saving_note=f"Exporting {files.saved}{waits} ..."), ()
     state = state.with_files(saving=0, saved="", saving_note="")
     match report:
-        case protocol.Exported(name=name, content=content):
+        case reports.Exported(name=name, content=content):
             return state, (Download(name, content),)
-        case protocol.Failed(message=message):
+        case reports.Failed(message=message):
             return state, (Notify("Not exported", message),)
-        case protocol.Cancelled():
+        case reports.Cancelled():
             return state, (Notify("Not exported", f"Stopped: {files.saved}"),)
     return state, ()
 

@@ -37,7 +37,7 @@ from app.tab.refining import refine, wants_refining
 from app.tab.showing import show_plan, show_rollout, without_so_far
 from app.tab.simulating import simulate_again, simulate_next
 from app.tab.state import Given, TabState
-from app.workers import protocol
+from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
@@ -58,11 +58,11 @@ def plan_design(state: TabState) -> Step:
     state = replace(state, given=None)
     name = state.design.jump.robot
     if not state.ready:
-        if state.work.awaited == protocol.Prepare(name):
+        if state.work.awaited == tasks.Prepare(name):
             return state, ()
         state = state.forgetting()
         state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
-        return submit(state, protocol.Prepare(name))
+        return submit(state, tasks.Prepare(name))
     state = _of_a_supported_type(state)
     design = state.design
     dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
@@ -80,7 +80,7 @@ def plan_or_keep(state: TabState) -> Step:
     return step if step[1] else joined((Keep(state.design),), simulate_again(step[0]))
 
 
-def _submit_plan(state: TabState, task: protocol.PlanJump, *, follows: bool) -> Step:
+def _submit_plan(state: TabState, task: tasks.PlanJump, *, follows: bool) -> Step:
     """Have a plan made; if it `follows` an answer that is shown, that stays until it is there."""
     if follows and state.status.verdict in ANSWERS:
         state = replace(state, status=replace(state.status, busy=True))
@@ -173,39 +173,39 @@ def take_report(state: TabState, event: Reported) -> Step:
     task = work.awaited
     if task is None:
         return state, ()
-    if isinstance(report, protocol.Partial):
+    if isinstance(report, reports.Partial):
         return outcome(state, report, task)
     before: tuple[Effect, ...] = ()
     state = learn(state.with_work(awaited=None), report, task)
-    if isinstance(task, protocol.PlanJump):
+    if isinstance(task, tasks.PlanJump):
         state, before = _wait_for_rest(state, task)
     return joined(before, outcome(state, report, task))
 
 
-def _wait_for_rest(state: TabState, task: protocol.PlanJump) -> Step:
+def _wait_for_rest(state: TabState, task: tasks.PlanJump) -> Step:
     dragging = state.work.dragging.answered(task)
     state = state.with_work(dragging=dragging)
     return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
 
 
-@on(protocol.PlanJump)
-def take_plan_report(state: TabState, report: protocol.Report, _: protocol.PlanJump) -> Step:
+@on(tasks.PlanJump)
+def take_plan_report(state: TabState, report: reports.Report, _: tasks.PlanJump) -> Step:
     """A plan is being made, or has been, or there is none."""
     match report:
-        case protocol.Progress():
+        case reports.Progress():
             if state.status.verdict in ANSWERS:
                 return state, ()
             line = summaries.progress_line(report.text, report.iteration, report.residual)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case protocol.Refused(nearest=None):
+        case reports.Refused(nearest=None):
             return _refuse(state, report)
-        case protocol.Planned() | protocol.Refused():
+        case reports.Planned() | reports.Refused():
             return _take_plan(state, report)
     return _ended(state.forgetting(), report)
 
 
-def _take_plan(state: TabState, report: protocol.Planned | protocol.Refused) -> Step:
+def _take_plan(state: TabState, report: reports.Planned | reports.Refused) -> Step:
     """The newest request has its plan, or the nearest one."""
     step = _answer(state, report, state.work.newest)
     state, effects = step
@@ -218,7 +218,7 @@ def _take_plan(state: TabState, report: protocol.Planned | protocol.Refused) -> 
     return joined(step[1], follow(state))
 
 
-def _refuse(state: TabState, report: protocol.Refused) -> Step:
+def _refuse(state: TabState, report: reports.Refused) -> Step:
     """There is no plan, and none near it: show where the solver stopped, once it has rested."""
     rests, robot = state.work.dragging.rests, state.robot
     status = summaries.refused_status(report.reason, state.work.instead.strip())
@@ -242,28 +242,28 @@ def take_nearest(state: TabState) -> Step:
     return plan_design(remember(state, design, settled=True))
 
 
-def _ended(state: TabState, report: protocol.Report) -> Step:
+def _ended(state: TabState, report: reports.Report) -> Step:
     state = without_so_far(state.without_sequel())
-    if isinstance(report, protocol.Failed):
+    if isinstance(report, reports.Failed):
         return state.with_status(Verdict.FAILED, report.message), ()
-    assert isinstance(report, protocol.Cancelled)
+    assert isinstance(report, reports.Cancelled)
     return state.with_status(Verdict.CANCELLED, "Move a slider to plan again."), ()
 
 
 # ---- robots
 
 
-@on(protocol.Prepare)
-def take_prepared(state: TabState, report: protocol.Report, _: protocol.Prepare) -> Step:
+@on(tasks.Prepare)
+def take_prepared(state: TabState, report: reports.Report, _: tasks.Prepare) -> Step:
     """The design's robot can be loaded, or is being prepared."""
     match report:
-        case protocol.Progress():
+        case reports.Progress():
             line = summaries.progress_line(report.text, None, None)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case protocol.Prepared(robot=robot):
+        case reports.Prepared(robot=robot):
             return state, (LoadRobot(robot),)
-        case protocol.Failed():
+        case reports.Failed():
             return _ended(state, report)
     return _ended(state.forgetting(), report)
 
@@ -272,9 +272,9 @@ def take_prepared(state: TabState, report: protocol.Report, _: protocol.Prepare)
 def take_meshes(state: TabState, event: Reported) -> Step:
     """The meshes of a robot that is drawn by its collision shapes have been made."""
     match event.report:
-        case protocol.Prepared(robot=name) if state.robot is not None and state.robot.name == name:
+        case reports.Prepared(robot=name) if state.robot is not None and state.robot.name == name:
             return state, (LoadRobot(name),)
-        case protocol.Failed(message=message):
+        case reports.Failed(message=message):
             return state, (Notify("The robot's meshes are missing", message),)
     return state, ()
 
@@ -310,18 +310,18 @@ def draw_robot(state: TabState, event: RobotLoaded) -> Step:
     state = replace(state, shown=None, seeds=None)
     if event.prepared:
         return state, ()
-    return submit_beside(state, Queue.ROBOT, protocol.Prepare(event.robot.name))
+    return submit_beside(state, Queue.ROBOT, tasks.Prepare(event.robot.name))
 
 
 # ---- plans that are shown
 
 
-def _answer(state: TabState, report: protocol.Report, ticket: int) -> Step:
+def _answer(state: TabState, report: reports.Report, ticket: int) -> Step:
     """Show the plan of a job, if it is newer than the one that is shown, and say what it is."""
     match report:
-        case protocol.Planned(plan=plan):
+        case reports.Planned(plan=plan):
             wanted, reason = None, ""
-        case protocol.Refused(nearest=Plan() as plan):
+        case reports.Refused(nearest=Plan() as plan):
             wanted, reason = report.jump, report.reason
         case _:
             return state, ()
@@ -330,7 +330,7 @@ def _answer(state: TabState, report: protocol.Report, ticket: int) -> Step:
         return state, ()
     first = state.shown is None
     state = show_plan(state.with_work(shown=ticket), plan, robot, wanted=wanted, reason=reason)
-    if ticket == state.work.newest or isinstance(state.work.awaited, protocol.PlanJump):
+    if ticket == state.work.newest or isinstance(state.work.awaited, tasks.PlanJump):
         status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason)
         state = replace(state, status=replace(status, busy=True))
     return state, played_first(state) if first else ()

@@ -16,7 +16,7 @@ from app.tab.effects import Pause, Seek
 from app.tab.planning import remember
 from app.tab.simulating import simulate, simulate_again
 from app.tab.state import TabState
-from app.workers.protocol import SimulateJump, SimulateSeeds
+from app.workers.tasks import SimulateJump, SimulateSeeds
 from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
 
 USUAL_SPEED = 0.3  # m/s that a push gives the robot, to begin with: seen, and survived

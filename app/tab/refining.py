@@ -11,7 +11,7 @@ from app.tab.acts import Step, on, reads, submit
 from app.tab.showing import show_plan
 from app.tab.simulating import simulate_next
 from app.tab.state import TabState
-from app.workers import protocol
+from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
 
 
@@ -49,19 +49,19 @@ def refine(state: TabState) -> Step:
     plan = state.plan
     assert plan is not None
     state = replace(state, status=replace(state.status, busy=True))
-    return submit(state, protocol.RefinePlan(plan))
+    return submit(state, tasks.RefinePlan(plan))
 
 
-@on(protocol.RefinePlan)
-def take_refined(state: TabState, report: protocol.Report, task: protocol.RefinePlan) -> Step:
+@on(tasks.RefinePlan)
+def take_refined(state: TabState, report: reports.Report, task: tasks.RefinePlan) -> Step:
     """A plan is being refined, or has been; what was to follow it follows."""
     match report:
-        case protocol.Progress(text=text, iteration=iteration, residual=residual):
+        case reports.Progress(text=text, iteration=iteration, residual=residual):
             line = summaries.progress_line(text, iteration, residual)
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
-        case protocol.Planned(plan=plan) if state.whole_body:
+        case reports.Planned(plan=plan) if state.whole_body:
             return _show(state.with_work(shown=state.work.newest), plan, task.plan)
-        case protocol.Failed(message=message):
+        case reports.Failed(message=message):
             return state.without_sequel().with_status(Verdict.FAILED, message), ()
     return _show(state.without_sequel(), task.plan)
 

@@ -13,7 +13,7 @@ from app.tab.acts import Step, also, on, reads, submit, update
 from app.tab.effects import Keep, Notify, Play, Seek
 from app.tab.showing import show_rollout, without_so_far
 from app.tab.state import Seeds, TabState
-from app.workers import protocol
+from app.workers import reports, tasks
 from llsrbm.request.numbers import percent
 from llsrbm.simulation.surroundings import surroundings
 
@@ -36,21 +36,21 @@ def simulate(state: TabState, seeds: int = 0) -> Step:
     if seeds:
         state = replace(state, seeds=Seeds(plan, scenario, seeds))
         state = state.with_status(Verdict.SIMULATING, f"{seeds} seeds ...", busy=True)
-        return submit(state, protocol.SimulateSeeds(plan, scenario, tuple(range(seeds))))
+        return submit(state, tasks.SimulateSeeds(plan, scenario, tuple(range(seeds))))
     state = state.with_status(Verdict.SIMULATING, "...", busy=True)
-    return also(submit(state, protocol.SimulateJump(plan, scenario)), Keep(state.design))
+    return also(submit(state, tasks.SimulateJump(plan, scenario)), Keep(state.design))
 
 
-@on(protocol.SimulateJump)
-def take_simulation(state: TabState, report: protocol.Report, task: protocol.SimulateJump) -> Step:
+@on(tasks.SimulateJump)
+def take_simulation(state: TabState, report: reports.Report, task: tasks.SimulateJump) -> Step:
     """A simulation is under way, or complete."""
     match report:
-        case protocol.Progress(text=text, share=share):
+        case reports.Progress(text=text, share=share):
             line = f"({text}) ..." if share is None else percent(share)
             return state.with_status(Verdict.SIMULATING, line, busy=True, share=share), ()
-        case protocol.SimulatedSoFar():
+        case reports.SimulatedSoFar():
             return _show_so_far(state, report, task)
-        case protocol.Simulated(rollout=rollout):
+        case reports.Simulated(rollout=rollout):
             state = show_rollout(state, rollout, task.scenario)
             took = rollout.duration / (rollout.outcome.real_time_factor or math.inf)
             state = replace(state, simulated_in=took)
@@ -80,7 +80,7 @@ def simulate_again(state: TabState) -> Step:
     shown, awaited = state.shown, state.work.awaited
     if not state.automatic or not state.ready or shown is None or not shown.plan.solved:
         return state, ()
-    if state.planning or isinstance(awaited, protocol.SimulateSeeds):
+    if state.planning or isinstance(awaited, tasks.SimulateSeeds):
         return state, ()
     if awaited is None and shown.simulated is not None and not state.outdated:
         return state, ()
@@ -101,14 +101,14 @@ def simulate_seeds(state: TabState) -> Step:
     return simulate(state, SEEDS)
 
 
-@on(protocol.SimulateSeeds)
-def take_seeds(state: TabState, report: protocol.Report, _: protocol.SimulateSeeds) -> TabState:
+@on(tasks.SimulateSeeds)
+def take_seeds(state: TabState, report: reports.Report, _: tasks.SimulateSeeds) -> TabState:
     """One seed more has been simulated, or all of them."""
     seeds = state.seeds
-    if seeds is None or isinstance(report, protocol.Progress):
+    if seeds is None or isinstance(report, reports.Progress):
         return state
     match report:
-        case protocol.SeedDone(result=result):
+        case reports.SeedDone(result=result):
             seeds = replace(seeds, results=(*seeds.results, result))
             done = len(seeds.results)
             landed = sum(each.landed for each in seeds.results)
@@ -116,7 +116,7 @@ def take_seeds(state: TabState, report: protocol.Report, _: protocol.SimulateSee
             return replace(state, seeds=seeds).with_status(
                 Verdict.SIMULATING, line, busy=True, share=done / seeds.count
             )
-        case protocol.SimulatedSeeds(results=results, worst=worst):
+        case reports.SimulatedSeeds(results=results, worst=worst):
             state = replace(state, seeds=replace(seeds, results=results, worst=worst))
             landed_all = all(each.landed for each in results)
             verdict = Verdict.LANDED if landed_all else Verdict.FELL
@@ -141,9 +141,7 @@ def status_of(state: TabState) -> Status:
     return replace(status, rest=f"{state.remark}: press Simulate", outdated=True)
 
 
-def _show_so_far(
-    state: TabState, report: protocol.SimulatedSoFar, task: protocol.SimulateJump
-) -> Step:
+def _show_so_far(state: TabState, report: reports.SimulatedSoFar, task: tasks.SimulateJump) -> Step:
     shown, robot, start = state.shown, state.robot, state.work.replay_from
     if shown is None or robot is None:
         return state, ()
@@ -163,9 +161,9 @@ def replay(state: TabState) -> Step:
     return state.with_work(replay_from=None), (Seek(start), Play())
 
 
-def _ended(state: TabState, report: protocol.Report) -> TabState:
+def _ended(state: TabState, report: reports.Report) -> TabState:
     state = without_so_far(state.without_sequel())
-    if isinstance(report, protocol.Failed):
+    if isinstance(report, reports.Failed):
         return state.with_status(Verdict.FAILED, report.message)
-    assert isinstance(report, protocol.Cancelled)
+    assert isinstance(report, reports.Cancelled)
     return state.with_status(Verdict.CANCELLED, "The plan is still there.")

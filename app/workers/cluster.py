@@ -28,7 +28,7 @@ from distributed import Client
 import app
 import llsrbm
 from app.workers.cluster_process import ClusterProcess
-from app.workers.protocol import PlannerFactory
+from app.workers.tasks import PlannerFactory
 from llsrbm.cache import content_key
 from llsrbm.errors import InputError
 from llsrbm.installed import assets_directory, package_version

@@ -14,7 +14,8 @@ import threading
 import time
 
 from app.workers.process import Ended, LocalProcess
-from app.workers.protocol import Job, PlannerFactory, Progress, Ready, Report, SimulatedSoFar
+from app.workers.reports import Progress, Ready, Report, SimulatedSoFar
+from app.workers.tasks import Job, PlannerFactory
 
 # An answer to the server comes after this time at the latest, s, be it an empty one: so it knows
 # that the worker is there.

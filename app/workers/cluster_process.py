@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from app.workers.cluster_host import KEEP_ALIVE, Host, Message
 from app.workers.process import Ended, Process
-from app.workers.protocol import Job, PlannerFactory, Ready, Report
+from app.workers.reports import Ready, Report
+from app.workers.tasks import Job, PlannerFactory
 
 if TYPE_CHECKING:
     from app.workers.cluster import Cluster, Place

@@ -11,7 +11,7 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 
-from app.workers import protocol
+from app.workers import reports, tasks
 from app.workers.deliveries import Deliveries
 from app.workers.member import SILENCE, Entry, Member
 from app.workers.waiting import Waiting
@@ -44,7 +44,7 @@ class Jobs(ABC):
         self._numbers = itertools.count(1)
         self._refusal = ""  # the answer to all requests; "" as long as they are taken
         self._failed_at: float | None = None  # time of the last unforeseen exception
-        self._warm_up_listener: protocol.Listener = ignore
+        self._warm_up_listener: reports.Listener = ignore
         self._warm_up_done: Callable[[], None] | None = None
         self._reports, self._asides = Deliveries("reports"), Deliveries("asides")
 
@@ -52,8 +52,8 @@ class Jobs(ABC):
     def _start_processes(self) -> None:
         """Start those that are wanted."""
 
-    def _receive(self, member: Member, message: protocol.Ready | protocol.Report) -> None:
-        if isinstance(message, protocol.Ready):
+    def _receive(self, member: Member, message: reports.Ready | reports.Report) -> None:
+        if isinstance(message, reports.Ready):
             member.ready = not member.ending
             self._hand_out()
             return
@@ -62,17 +62,17 @@ class Jobs(ABC):
             return
         now = time.monotonic()
         member.silent_by = now + SILENCE
-        if isinstance(message, protocol.Progress):
+        if isinstance(message, reports.Progress):
             member.activity, member.progress = message.text, message
             self._report_progress(member, entry, now)
             return
-        if isinstance(message, protocol.SimulatedSoFar):
+        if isinstance(message, reports.SimulatedSoFar):
             self._report(entry, message, task)
             return
         member.finish()
-        if not isinstance(message, protocol.Cancelled):
+        if not isinstance(message, reports.Cancelled):
             self._waiting.note_done(task)
-        if isinstance(message, protocol.Planned) and isinstance(task, protocol.PlanJump):
+        if isinstance(message, reports.Planned) and isinstance(task, tasks.PlanJump):
             member.loaded[task.needs] = replace(task, near=None)
         self._report(entry, message, task)
         self._cancel_remains(entry)
@@ -81,7 +81,7 @@ class Jobs(ABC):
     def _cancel_remains(self, entry: Entry) -> None:
         running = any(member.working_on is entry for member in self._workers)
         if not (entry.over or running or self._waiting.get(entry.tab) is entry):
-            self._report(entry, protocol.Cancelled(entry.number))
+            self._report(entry, reports.Cancelled(entry.number))
 
     def _keep_deadlines(self, now: float) -> float | None:
         """Do what is due; when something will be, s."""
@@ -114,7 +114,7 @@ class Jobs(ABC):
         if late or now >= member.silent_by:
             limit = member.task.limit if member.task is not None else None
             message = LATE.format(limit=limit) if late and limit else SILENT
-            self._report(entry, protocol.Failed(entry.number, message))
+            self._report(entry, reports.Failed(entry.number, message))
             member.finish()
             member.plan_to_restore(but=None)
             member.kill()
@@ -139,7 +139,7 @@ class Jobs(ABC):
             others = [activity for other, activity in busy if other.tab == entry.tab]
             others += [activity for _, activity in busy] or ["the computing process starts"]
             self._report(
-                entry, protocol.Progress(entry.number, f"waiting: {others[0]}", waiting=True)
+                entry, reports.Progress(entry.number, f"waiting: {others[0]}", waiting=True)
             )
 
     def _hand_out(self) -> None:
@@ -160,7 +160,7 @@ class Jobs(ABC):
             self._recover(error)
         self._changed.notify_all()
 
-    def _next_to_load(self) -> tuple[Entry, protocol.Task, Member] | None:
+    def _next_to_load(self) -> tuple[Entry, tasks.Task, Member] | None:
         """A process with time, and a task of its `todo`; one at a time, so that others are free."""
         if any(m.working_on is not None and m.working_on.tab is self for m in self._workers):
             return None
@@ -188,17 +188,15 @@ class Jobs(ABC):
         self._hand_out()
         return [entries[number] for number in sorted(entries)]
 
-    def _report(
-        self, entry: Entry, report: protocol.Report, task: protocol.Task | None = None
-    ) -> None:
+    def _report(self, entry: Entry, report: reports.Report, task: tasks.Task | None = None) -> None:
         """Have the listener called, soon, with a report on a job or on its part; in order."""
-        reports = [report]
-        if entry.batch is not None and isinstance(task, protocol.SimulateJump):
-            reports = entry.batch.take(task, report)
-        for each in reports:
+        passed_on = [report]
+        if entry.batch is not None and isinstance(task, tasks.SimulateJump):
+            passed_on = entry.batch.take(task, report)
+        for each in passed_on:
             if entry.over:
                 return
-            if not isinstance(each, protocol.Partial):
+            if not isinstance(each, reports.Partial):
                 entry.over = True
                 self._stop_parts(entry)
             calls = self._asides if entry.tab is self else self._reports
@@ -214,22 +212,22 @@ class Jobs(ABC):
 
     def _fail_all(self, message: str) -> None:
         for entry in self._waiting.clear():
-            self._report(entry, protocol.Failed(entry.number, message))
+            self._report(entry, reports.Failed(entry.number, message))
         for member in self._workers:
             left = member.finish()
             if left is not None and left.tab is not self:
-                self._report(left, protocol.Failed(left.number, message))
+                self._report(left, reports.Failed(left.number, message))
 
     def _fail_warm_up(self, message: str) -> None:
         if self._warm_up_done is not None:
-            self._asides.put(partial(self._warm_up_listener, protocol.Failed(0, message)))
+            self._asides.put(partial(self._warm_up_listener, reports.Failed(0, message)))
 
     def _unsendable(self, member: Member, entry: Entry, error: Exception) -> None:
         with self._lock:
             self._note("job %d cannot be sent", entry.number, error=error)
             if member.working_on is entry:
                 member.finish()
-            self._report(entry, protocol.Failed(entry.number, DEFECT))
+            self._report(entry, reports.Failed(entry.number, DEFECT))
             self._hand_out()
 
     def _recover(self, error: Exception) -> None:
@@ -259,10 +257,10 @@ class Jobs(ABC):
         self._asides.put(partial(_log.error, text, *values, exc_info=error))
 
 
-def _deliver(entry: Entry, report: protocol.Report) -> None:
+def _deliver(entry: Entry, report: reports.Report) -> None:
     """Call the listener that the entry has now: a tab that goes meanwhile gets nothing any more."""
     entry.listener(report)
 
 
-def ignore(_report: protocol.Report | str) -> None:
+def ignore(_report: reports.Report | str) -> None:
     """Take nothing: of a tab that has gone, of loading, or of a pool without a page."""

@@ -7,8 +7,9 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 
 from app.workers.process import Process
-from app.workers.protocol import Job, Listener, PlanJump, Progress, Task
+from app.workers.reports import Listener, Progress
 from app.workers.seeds import Seeds
+from app.workers.tasks import Job, PlanJump, Task
 
 # How long a process that works may be without a sign of life, s: half a minute is common while it
 # builds a solver, some minutes while it writes a long film.

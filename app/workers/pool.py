@@ -24,17 +24,9 @@ from app.workers import worker
 from app.workers.jobs import WAITING_INTERVAL, Jobs, ignore
 from app.workers.member import Entry, Member
 from app.workers.process import Ended, LocalProcess
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    Listener,
-    PlanJump,
-    PlannerFactory,
-    Prepare,
-    SimulateSeeds,
-    Task,
-)
+from app.workers.reports import Cancelled, Failed, Listener
 from app.workers.seeds import Seeds
+from app.workers.tasks import PlanJump, PlannerFactory, Prepare, SimulateSeeds, Task
 from app.workers.waiting import MOST_WAITING
 from llsrbm.errors import InputError
 

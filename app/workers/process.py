@@ -18,7 +18,8 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from app.workers import worker
-from app.workers.protocol import Job, PlannerFactory, Ready, Report
+from app.workers.reports import Ready, Report
+from app.workers.tasks import Job, PlannerFactory
 
 # Time to exit (s): of a process whose connection has closed, and of one that was killed.
 EXIT_PATIENCE, KILL_PATIENCE = 3.0, 2.0

@@ -11,16 +11,15 @@ from __future__ import annotations
 import math
 
 from app.panel.status import SeedResult
-from app.workers.protocol import (
+from app.workers.reports import (
     Progress,
     Report,
     SeedDone,
     Simulated,
     SimulatedSeeds,
     SimulatedSoFar,
-    SimulateJump,
-    SimulateSeeds,
 )
+from app.workers.tasks import SimulateJump, SimulateSeeds
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.numbers import decimal

@@ -21,7 +21,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Sequence
 
 from app.workers.member import Entry, Member
-from app.workers.protocol import Task
+from app.workers.tasks import Task
 
 MOST_WAITING = 200
 """Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of

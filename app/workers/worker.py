@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import llsrbm
-from app.workers import protocol, spare_solvers
+from app.workers import reports, spare_solvers, tasks
 from app.workers.opened_file import OpenedFile
 from llsrbm import errors
 from llsrbm.mechanics import Array
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-ProgressListener = Callable[..., None]  # `app.workers.protocol.Talk.progress`
+ProgressListener = Callable[..., None]  # `app.workers.reports.Talk.progress`
 
 
 class LibraryPlanner:
@@ -37,10 +37,10 @@ class LibraryPlanner:
     def __init__(self) -> None:
         import llsrbm.api  # noqa: F401  # takes long: before the first job
 
-        self._solvers: set[protocol.Solver] = set()
-        self._spare: set[protocol.Solver] = set()  # beside which others are being built
-        self._refined: set[protocol.Solver] = set()  # of which a plan has been refined
-        self._replanned: set[protocol.Solver] = set()  # with which a flight has been planned anew
+        self._solvers: set[tasks.Solver] = set()
+        self._spare: set[tasks.Solver] = set()  # beside which others are being built
+        self._refined: set[tasks.Solver] = set()  # of which a plan has been refined
+        self._replanned: set[tasks.Solver] = set()  # with which a flight has been planned anew
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
         """Compute or load everything that drawing `robot` needs."""
@@ -54,14 +54,14 @@ class LibraryPlanner:
         link_visuals(loaded, coarse=True)
 
     def plan(
-        self, task: protocol.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
+        self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """Plan a jump."""
         self._announce(task.jump, progress)
         # The plan that the page shows may be no start: of another solver, or without an iterate.
         near = task.near
         if near is not None and (
-            near.solution is None or protocol.solver_of(near.jump) != protocol.solver_of(task.jump)
+            near.solution is None or tasks.solver_of(near.jump) != tasks.solver_of(task.jump)
         ):
             near = None
         # A slider that moves does not wait for a solver that has to be built first.
@@ -81,12 +81,12 @@ class LibraryPlanner:
             return llsrbm.plan(task.jump, near=None, **how)
 
     def refine(
-        self, task: protocol.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
+        self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """The whole body's plan near a plan, or that plan, which says that there was none."""
         from llsrbm.planning.whole_body.refine import refined
 
-        solver = protocol.solver_of(task.plan.jump)
+        solver = tasks.solver_of(task.plan.jump)
         if solver not in self._refined:
             progress(
                 f"building the whole-body solver of {task.plan.jump.robot}: half a minute, the "
@@ -101,19 +101,19 @@ class LibraryPlanner:
 
     def simulate(
         self,
-        task: protocol.SimulateJump,
+        task: tasks.SimulateJump,
         progress: ProgressListener,
         so_far: Callable[[float, Array, Array], None],
         cancelled: Callable[[], bool],
     ) -> Rollout:
         """Simulate a plan; progress comes with the share that is done."""
         jump = task.plan.jump
-        if task.scenario.replan and protocol.solver_of(jump) not in self._replanned:
+        if task.scenario.replan and tasks.solver_of(jump) not in self._replanned:
             progress(
                 f"building the solvers that plan anew, of {jump.model} for {jump.robot}: a minute, "
                 "the first time"
             )
-            self._replanned.add(protocol.solver_of(jump))
+            self._replanned.add(tasks.solver_of(jump))
         shown = -1
         reached = 0.0
 
@@ -133,7 +133,7 @@ class LibraryPlanner:
             so_far=lambda time, qpos: so_far(reached, time, qpos),
         )
 
-    def open(self, task: protocol.OpenFile, progress: ProgressListener) -> OpenedFile:
+    def open(self, task: tasks.OpenFile, progress: ProgressListener) -> OpenedFile:
         """Read a file, and prepare its robot."""
         from app.workers.file_reading import open_file
 
@@ -141,19 +141,19 @@ class LibraryPlanner:
         self.prepare(opened.robot, progress)
         return opened
 
-    def export(self, task: protocol.ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
+    def export(self, task: tasks.ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
         """Name and content of the file that is made."""
         progress(f"writing {', '.join(task.formats)}")
         return exported(task)
 
-    def check(self, task: protocol.CheckMotion, progress: ProgressListener) -> Certificate:
+    def check(self, task: tasks.CheckMotion, progress: ProgressListener) -> Certificate:
         """Certificate of a motion."""
         from llsrbm.certificate import certify
 
         progress("checking the motion at 1 kHz")
         return certify(task.motion)
 
-    def _has_nearest(self, task: protocol.PlanJump) -> bool:
+    def _has_nearest(self, task: tasks.PlanJump) -> bool:
         """Whether the solver of nearer jumps is at hand; a slider has it built beside all else."""
         from llsrbm.planning.solve.planner import planner_of
 
@@ -162,21 +162,21 @@ class LibraryPlanner:
         built = planner.has_nearest_built(jump)
         if built:
             planner.prepare_nearest(jump)  # a second, which the first slider shall not wait for
-        elif not task.patient and protocol.solver_of(jump) not in self._spare:
-            self._spare.add(protocol.solver_of(jump))
+        elif not task.patient and tasks.solver_of(jump) not in self._spare:
+            self._spare.add(tasks.solver_of(jump))
             spare_solvers.build(jump)
         return built
 
     def _announce(self, jump: Jump, progress: ProgressListener) -> None:
-        if protocol.solver_of(jump) not in self._solvers:
+        if tasks.solver_of(jump) not in self._solvers:
             progress(
                 f"building the solver of {jump.model} for {jump.robot}: half a minute, the first "
                 "time"
             )
-        self._solvers.add(protocol.solver_of(jump))
+        self._solvers.add(tasks.solver_of(jump))
 
 
-def exported(task: protocol.ExportMotion) -> tuple[str, bytes]:
+def exported(task: tasks.ExportMotion) -> tuple[str, bytes]:
     """Name and content of the one file that an export makes; raises as `llsrbm.export`."""
     from llsrbm.formats import file_name, stem
 
@@ -189,7 +189,7 @@ def exported(task: protocol.ExportMotion) -> tuple[str, bytes]:
         return name, path.read_bytes()
 
 
-def main(connection: Connection, stop: Any, factory: protocol.PlannerFactory) -> None:
+def main(connection: Connection, stop: Any, factory: tasks.PlannerFactory) -> None:
     """Work on jobs of a connection until it is closed; `stop`: number of a job to be stopped.
 
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
@@ -199,18 +199,18 @@ def main(connection: Connection, stop: Any, factory: protocol.PlannerFactory) ->
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         planner = factory()
-        connection.send(protocol.Ready())
+        connection.send(reports.Ready())
         while True:
-            job: protocol.Job = connection.recv()
-            connection.send(_work(planner, job, protocol.Talk(job.number, connection.send, stop)))
+            job: tasks.Job = connection.recv()
+            connection.send(_work(planner, job, reports.Talk(job.number, connection.send, stop)))
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
 
 
-def _work(planner: Any, job: protocol.Job, talk: protocol.Talk) -> protocol.Report:
+def _work(planner: Any, job: tasks.Job, talk: reports.Talk) -> reports.Report:
     try:
         return job.task.work(planner, talk)
     except errors.Cancelled:
-        return protocol.Cancelled(job.number)
+        return reports.Cancelled(job.number)
     except errors.Error as error:
-        return protocol.Failed(job.number, str(error))
+        return reports.Failed(job.number, str(error))

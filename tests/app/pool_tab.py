@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import queue
 
-from app.workers.protocol import Partial, PlanJump, Progress, SimulateJump
+from app.workers.reports import Partial, Progress
+from app.workers.tasks import PlanJump, SimulateJump
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from tests.app.synthetic_plan import synthetic_plan

@@ -11,7 +11,7 @@ from app.tab.acts import update
 from app.tab.effects import After, Keep, LoadRobot, Notify, Reported, RobotLoaded, Submit
 from app.tab.planning import draw_robot
 from app.tab.start.opening import first_state
-from app.workers.protocol import Planned, Prepared, Simulated
+from app.workers.reports import Planned, Prepared, Simulated
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.schema import robot_files

@@ -13,7 +13,7 @@ from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek,
 from app.tab.planning import Rested, plan_design, show_given
 from app.tab.state import FileWork, Given, TabState
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import Prepare, SimulateSeeds
+from app.workers.tasks import Prepare, SimulateSeeds
 from llsrbm.motion.plan import Plan
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump

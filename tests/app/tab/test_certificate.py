@@ -7,7 +7,8 @@ from app.panel.acts import Act
 from app.panel.certificate import certificate_table
 from app.tab.acts import is_enabled
 from app.tab.effects import Queue
-from app.workers.protocol import Cancelled, Checked, CheckMotion, Failed
+from app.workers.reports import Cancelled, Checked, Failed
+from app.workers.tasks import CheckMotion
 from llsrbm.certificate import Certificate
 from tests.app.planners import CERTIFICATE
 from tests.app.pure_tab import PureTab, planned_tab

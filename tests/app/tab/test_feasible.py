@@ -7,7 +7,7 @@ import math
 import pytest
 
 from app.tab.feasible import Tint
-from app.workers.protocol import Refused
+from app.workers.reports import Refused
 from llsrbm.atlas.feasible import feasible_of
 from llsrbm.request.tuning import Tuning
 from tests.app.pure_tab import plan_of, planned_tab

@@ -21,7 +21,8 @@ from app.tab.effects import (
 )
 from app.tab.files import FileChosen
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import Cancelled, Exported, Failed, Opened, OpenFile, Progress
+from app.workers.reports import Cancelled, Exported, Failed, Opened, Progress
+from app.workers.tasks import OpenFile
 from llsrbm.request.design import Design, load_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

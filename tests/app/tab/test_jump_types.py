@@ -9,7 +9,7 @@ import pytest
 
 from app.panel.acts import Act
 from app.panel.status import Verdict
-from app.workers.protocol import PlanJump
+from app.workers.tasks import PlanJump
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump

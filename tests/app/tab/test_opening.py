@@ -8,7 +8,7 @@ import pytest
 
 from app.link import PageReady, PlayerMoved
 from app.panel.acts import Act
-from app.panel.status import Verdict
+from app.panel.status import SeedResult, Verdict
 from app.plots.choice import FEWER
 from app.tab.drag_planning import REST
 from app.tab.effects import (
@@ -27,7 +27,8 @@ from app.tab.planning import Rested
 from app.tab.start.opening import TabOpened, example_design, left, resume
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import PlanJump, Prepare, Prepared, SeedDone, SeedResult, SimulatedSoFar
+from app.workers.reports import Prepared, SeedDone, SimulatedSoFar
+from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

@@ -12,7 +12,8 @@ from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_co
 from app.panel.acts import Act
 from app.tab.effects import Keep, Pause, Play, Seek
 from app.tab.pushing import push_shown
-from app.workers.protocol import Cancelled, PlanJump, Simulated, SimulatedSoFar, SimulateJump
+from app.workers.reports import Cancelled, Simulated, SimulatedSoFar
+from app.workers.tasks import PlanJump, SimulateJump
 from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
 from tests.app.pure_tab import planned_tab, rollout_of
 from tests.app.synthetic_plan import FLY, STAND

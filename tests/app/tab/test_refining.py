@@ -7,7 +7,8 @@ from app.panel.status import Verdict
 from app.tab.effects import After
 from app.tab.refining import WholeBody
 from app.tab.simulating import Automatically
-from app.workers.protocol import Cancelled, PlanJump, Planned, RefinePlan, SimulateJump
+from app.workers.reports import Cancelled, Planned
+from app.workers.tasks import PlanJump, RefinePlan, SimulateJump
 from tests.app.pure_tab import planned_tab
 from tests.app.synthetic_plan import refined_plan
 

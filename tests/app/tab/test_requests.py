@@ -23,7 +23,8 @@ from app.tab.effects import (
 )
 from app.tab.planning import Rested
 from app.tab.start.opening import example_design
-from app.workers.protocol import PlanJump, Prepare, Prepared, SimulateJump, SimulateSeeds
+from app.workers.reports import Prepared
+from app.workers.tasks import PlanJump, Prepare, SimulateJump, SimulateSeeds
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

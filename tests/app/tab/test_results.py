@@ -8,23 +8,21 @@ import numpy as np
 import pytest
 
 from app.panel.acts import Act
-from app.panel.status import Verdict
+from app.panel.status import SeedResult, Verdict
 from app.tab.effects import After, Play, Stop, Submit
 from app.tab.simulating import Automatically, status_of
-from app.workers.protocol import (
+from app.workers.reports import (
     Cancelled,
     Failed,
-    PlanJump,
     Planned,
     Progress,
     Refused,
     SeedDone,
-    SeedResult,
     Simulated,
     SimulatedSeeds,
     SimulatedSoFar,
-    SimulateJump,
 )
+from app.workers.tasks import PlanJump, SimulateJump
 from llsrbm.request.scenario import Scenario
 from tests.app.pure_tab import PureTab, plan_of, planned_tab, rollout_of
 

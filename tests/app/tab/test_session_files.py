@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import llsrbm
-from app.workers.protocol import PlanJump
+from app.workers.tasks import PlanJump
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.design import Design, dump_design, load_design
 from llsrbm.request.jump import Jump

@@ -14,6 +14,7 @@ from app.link import PageReady, PlaybackChosen, PlayerMoved, PushDragged
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import FileChoice
+from app.panel.status import SeedResult
 from app.panel.view_controls import View
 from app.plots.choice import PRESETS
 from app.tab.acts import Corrected, update
@@ -35,25 +36,26 @@ from app.tab.refining import WholeBody
 from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.workers.opened_file import OpenedFile
-from app.workers.protocol import (
+from app.workers.reports import (
     Cancelled,
     Exported,
-    ExportMotion,
     Failed,
     Opened,
-    OpenFile,
-    PlanJump,
     Planned,
-    Prepare,
     Prepared,
     Progress,
-    RefinePlan,
     Refused,
     SeedDone,
-    SeedResult,
     Simulated,
     SimulatedSeeds,
     SimulatedSoFar,
+)
+from app.workers.tasks import (
+    ExportMotion,
+    OpenFile,
+    PlanJump,
+    Prepare,
+    RefinePlan,
     SimulateJump,
     SimulateSeeds,
 )

@@ -19,14 +19,8 @@ from app.workers import cluster as cluster_module
 from app.workers.cluster import Cluster
 from app.workers.pool import WorkerPool
 from app.workers.process import Ended
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    PlanJump,
-    Planned,
-    Progress,
-    SimulatedSoFar,
-)
+from app.workers.reports import Cancelled, Failed, Planned, Progress, SimulatedSoFar
+from app.workers.tasks import PlanJump
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from tests.app import planners

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.protocol import ExportMotion, OpenFile, PlanJump, SimulateJump
+from app.workers.tasks import ExportMotion, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import UnusableStart
 from llsrbm.ocp.horizon import Iterate

@@ -11,12 +11,13 @@ from contextlib import closing
 
 import pytest
 
-from app.workers import jobs, member, protocol, waiting
+from app.workers import jobs, member, tasks, waiting
 from app.workers import pool as pool_module
 from app.workers.jobs import BROKEN, DEFECT
 from app.workers.pool import BUSY, CLOSED, WorkerPool
 from app.workers.process import LocalProcess
-from app.workers.protocol import Cancelled, Failed, OpenFile, PlanJump, Planned, Progress
+from app.workers.reports import Cancelled, Failed, Planned, Progress
+from app.workers.tasks import OpenFile, PlanJump
 from llsrbm.request.jump import Jump
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner, hanging_factory
@@ -246,7 +247,7 @@ def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
 
 
 def test_a_file_that_takes_too_long_is_given_up_and_others_are_planned(monkeypatch):
-    monkeypatch.setattr(protocol.OpenFile, "limit", 1.0)
+    monkeypatch.setattr(tasks.OpenFile, "limit", 1.0)
     with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
         tabs = Tab(pool), Tab(pool, "second")
         jobs = [tab.submit(OpenFile("slow.zip", b"", "anymal")) for tab in tabs]

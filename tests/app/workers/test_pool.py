@@ -9,16 +9,8 @@ import time
 import pytest
 
 from app.workers.pool import WorkerPool
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    PlanJump,
-    Planned,
-    Prepare,
-    Prepared,
-    Progress,
-    Refused,
-)
+from app.workers.reports import Cancelled, Failed, Planned, Prepared, Progress, Refused
+from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner, broken_factory

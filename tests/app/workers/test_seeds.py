@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from app.workers.pool import WorkerPool
-from app.workers.protocol import (
+from app.workers.reports import (
     Cancelled,
     Failed,
     Partial,
@@ -19,9 +19,9 @@ from app.workers.protocol import (
     Simulated,
     SimulatedSeeds,
     SimulatedSoFar,
-    SimulateSeeds,
 )
 from app.workers.seeds import MOST_SEEDS, Seeds, badness, result_of
+from app.workers.tasks import SimulateSeeds
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario

@@ -12,16 +12,8 @@ from contextlib import closing
 import pytest
 
 from app.workers.pool import WorkerPool
-from app.workers.protocol import (
-    Cancelled,
-    Failed,
-    PlanJump,
-    Planned,
-    Prepare,
-    Progress,
-    Refused,
-    Simulated,
-)
+from app.workers.reports import Cancelled, Failed, Planned, Progress, Refused, Simulated
+from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from tests.app import planners

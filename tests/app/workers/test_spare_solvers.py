@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import pytest
 
 from app.workers import spare_solvers
-from app.workers.protocol import PlanJump
+from app.workers.tasks import PlanJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.planning.solve.planner import Planner
 from llsrbm.request.jump import Jump

@@ -7,7 +7,7 @@ import itertools
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.workers.protocol import (
+from app.workers.tasks import (
     ExportMotion,
     OpenFile,
     PlanJump,
