@@ -261,7 +261,7 @@ class PageLink:
         self._call("atlas.mark", repr(float(x)), repr(float(y)))
 
     def tint(self, tracks: Mapping[str, Any]) -> None:
-        """Tint the tracks of sliders, by their uuids, as `app.tab.feasible` says."""
+        """Tint the tracks of sliders, by their uuids, as `app.tab.planning.feasible` says."""
         self._call("tint.show", json.dumps(tracks))
 
     def show_part(self, reading: Mapping[str, Any]) -> None:

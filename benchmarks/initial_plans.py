@@ -1,7 +1,7 @@
 """Makes the plans that tabs begin with on a first start: `python -m benchmarks.initial_plans`.
 
 To be run after a change of a robot file or of the planner that changes the examples' plans, and
-after one of the plan file's schema; `tests/app/tab/test_initial_plan.py` fails until it is.
+after one of the plan file's schema; `tests/app/tab/start/test_initial_plan.py` fails until it is.
 """
 
 from __future__ import annotations

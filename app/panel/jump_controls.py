@@ -82,7 +82,10 @@ SLIDERS = (
 )
 
 TINTED: Mapping[str, Field[Jump]] = dict(zip(REQUEST, SLIDERS, strict=False))
-"""Sliders whose tracks show what can be planned (`app.tab.feasible`), by fields of a request."""
+"""Sliders whose tracks show what can be planned, by fields of a request.
+
+See `app.tab.planning.feasible`.
+"""
 
 
 class JumpControls:

@@ -1,5 +1,6 @@
 // The sliders' tracks: solid where the jump can be planned with the other values as they are, dashes
-// where not. The server says which slider and how likely (app/tab/feasible.py); dashes need no colour.
+// where not. The server says which slider and how likely (app/tab/planning/feasible.py); dashes need
+// no colour.
 (() => {
   const TINTED = "data-llsrbm-tinted", TINT = "--llsrbm-tint";
   const DASHES = "repeating-linear-gradient(90deg, var(--llsrbm-cannot) 0 2px, transparent 2px 6px)";

@@ -3,31 +3,22 @@
 Importing the features registers their handlers in `app.tab.acts`.
 """
 
-from app.tab import (
-    asking,
-    atlas,
-    certificate,
-    comparison,
-    design,
-    files,
-    planning,
-    pushing,
-    refining,
-    simulating,
-)
+from app.tab import atlas, comparison, design, files, inspection, pushing, simulating
+from app.tab.planning import answers, refining, requests, robot
 from app.tab.start import opening, preferences
 
 __all__ = [
-    "asking",
+    "answers",
     "atlas",
-    "certificate",
     "comparison",
     "design",
     "files",
+    "inspection",
     "opening",
-    "planning",
     "preferences",
     "pushing",
     "refining",
+    "requests",
+    "robot",
     "simulating",
 ]

@@ -18,7 +18,7 @@ from app.panel.atlas_controls import AtlasChoice, AtlasControls, as_sent
 from app.panel.jump_types import title_of_type
 from app.tab.acts import Step, also, keeps, on, reads
 from app.tab.effects import Notify
-from app.tab.planning import plan_design, remember, untitled
+from app.tab.planning.requests import plan_design, remember, untitled
 from app.tab.state import TabState
 from llsrbm.atlas.colours import COLOURS
 from llsrbm.atlas.jumps import Atlas, Axis, Jumps

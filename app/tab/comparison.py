@@ -9,7 +9,7 @@ from app.panel.acts import Act
 from app.tab.acts import Step, on, reads
 from app.tab.design import choose_design
 from app.tab.effects import Notify
-from app.tab.planning import plan_design, remember
+from app.tab.planning.requests import plan_design, remember
 from app.tab.pushing import replay_start
 from app.tab.simulating import simulate
 from app.tab.state import Comparison, Pin, TabState, free_colour

@@ -16,7 +16,7 @@ from app.picture.landing_handle import LandingDragged
 from app.plots.choice import PlotChoice
 from app.tab.acts import Corrected, Step, keeps, on, reads, update
 from app.tab.effects import Notify, Share
-from app.tab.planning import plan_design, plan_or_keep, remember, untitled
+from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design

@@ -13,7 +13,7 @@ from app.panel.acts import Act
 from app.picture.push_handle import PushShown
 from app.tab.acts import Step, joined, kept, on, reads
 from app.tab.effects import Pause, Seek
-from app.tab.planning import remember
+from app.tab.planning.requests import remember
 from app.tab.simulating import simulate, simulate_again
 from app.tab.state import TabState
 from app.workers.tasks import SimulateJump, SimulateSeeds

@@ -27,7 +27,7 @@ from app.plots.charts import Layer, pinned_layer, shown_layers
 from app.plots.plots import Plots
 from app.tab.acts import is_enabled, is_visible
 from app.tab.atlas import AtlasDrawing, Atlases
-from app.tab.feasible import Tint
+from app.tab.planning.feasible import Tint
 from app.tab.pushing import push_shown
 from app.tab.simulating import status_of
 from app.tab.start.preferences import preferences

@@ -28,7 +28,7 @@ from app.tab.atlas import Atlases
 from app.tab.effects import Effect, Notify, Outside, ResetControls, RobotLoaded, loaded
 from app.tab.files import FileChosen
 from app.tab.inbox import End, Inbox
-from app.tab.planning import draw_robot
+from app.tab.planning.robot import draw_robot
 from app.tab.rendering import Rendering
 from app.tab.start.initial_plan import InitialPlans
 from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume

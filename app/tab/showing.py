@@ -7,7 +7,11 @@ from dataclasses import replace
 from app.motion.baked import bake_plan, bake_rollout
 from app.panel import summaries
 from app.panel.file_controls import SIMULATION
-from app.tab.state import Shown, TabState
+from app.panel.status import Verdict
+from app.tab.acts import Step, played_first
+from app.tab.effects import Effect, Keep, LoadRobot
+from app.tab.state import Given, Shown, TabState
+from app.workers import reports
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
@@ -60,7 +64,39 @@ def show_rollout(
     return replace(state, shown=shown, status=status)
 
 
-def without_so_far(state: TabState) -> TabState:
+def show_given(state: TabState, given: Given) -> Step:
+    """Show a motion of the design as if it was planned just now, once its robot can be drawn."""
+    plan, robot = given.plan, state.robot
+    if robot is None or robot.name != plan.jump.robot:
+        return replace(state, given=given), (LoadRobot(plan.jump.robot),)
+    play: tuple[Effect, ...] = played_first(state) if state.shown is None else ()
+    work = state.work
+    dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
+    state = replace(state.without_sequel(), given=None, note=given.note or state.note)
+    state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging)
+    state = show_plan(state, plan, robot, given.source)
+    if given.rollout is not None:
+        state = show_rollout(state, given.rollout, given.rollout.scenario, given.source)
+    elif plan.solved:
+        state = replace(state, status=summaries.plan_status(plan, given.source))
+    else:
+        worst = summaries.worst(plan.violations)
+        source = f"{given.source}: " if given.source else ""
+        line = f"{source}the planner did not converge, largest violation {worst}."
+        state = state.with_status(Verdict.FAILED, line)
+    return state, (Keep(state.design), *play)
+
+
+def ended(state: TabState, report: reports.Report, after_cancelling: str) -> TabState:
+    """The state after a job without a result; `after_cancelling`: words on one that was stopped."""
+    state = _without_so_far(state.without_sequel())
+    if isinstance(report, reports.Failed):
+        return state.with_status(Verdict.FAILED, report.message)
+    assert isinstance(report, reports.Cancelled)
+    return state.with_status(Verdict.CANCELLED, after_cancelling)
+
+
+def _without_so_far(state: TabState) -> TabState:
     """Without the beginning of a simulation that has no end."""
     shown = state.shown
     if shown is None or shown.so_far is None:

@@ -11,7 +11,7 @@ from app.panel.acts import Act
 from app.panel.status import Status, Verdict
 from app.tab.acts import Step, also, on, reads, submit, update
 from app.tab.effects import Keep, Notify, Play, Seek
-from app.tab.showing import show_rollout, without_so_far
+from app.tab.showing import ended, show_rollout
 from app.tab.state import Seeds, TabState
 from app.workers import reports, tasks
 from llsrbm.request.numbers import percent
@@ -56,7 +56,7 @@ def take_simulation(state: TabState, report: reports.Report, task: tasks.Simulat
             state = replace(state, simulated_in=took)
             follow_up = state.work.compare
             return replay(state) if follow_up is None else update(state, follow_up)
-    return _ended(state, report), ()
+    return ended(state, report, "The plan is still there."), ()
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def take_seeds(state: TabState, report: reports.Report, _: tasks.SimulateSeeds) 
             landed_all = all(each.landed for each in results)
             verdict = Verdict.LANDED if landed_all else Verdict.FELL
             return state.with_status(verdict, f"in {summaries.seeds_share(results)}.")
-    return _ended(state, report)
+    return ended(state, report, "The plan is still there.")
 
 
 @on(Act.WORST, visible=lambda state: state.seeds is not None and state.seeds.worst is not None)
@@ -159,11 +159,3 @@ def replay(state: TabState) -> Step:
     if start is None:
         return state, ()
     return state.with_work(replay_from=None), (Seek(start), Play())
-
-
-def _ended(state: TabState, report: reports.Report) -> TabState:
-    state = without_so_far(state.without_sequel())
-    if isinstance(report, reports.Failed):
-        return state.with_status(Verdict.FAILED, report.message)
-    assert isinstance(report, reports.Cancelled)
-    return state.with_status(Verdict.CANCELLED, "The plan is still there.")

@@ -22,7 +22,7 @@ from app.panel.status import SeedResult, Status, Verdict
 from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice
-from app.tab.drag_planning import DragPlanning
+from app.tab.planning.dragging import DragPlanning
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.atlas.feasible import Feasible

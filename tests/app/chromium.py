@@ -13,7 +13,7 @@ from PIL import Image
 from playwright.sync_api import TimeoutError as BrowserTimeout
 from playwright.sync_api import sync_playwright
 
-from app.tab.planning import ANSWERS
+from app.tab.planning.requests import ANSWERS
 from tests.app.waits import wait_until
 
 FLAGS = (

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.tab.acts import update
 from app.tab.effects import After, Keep, LoadRobot, Notify, Reported, RobotLoaded, Submit
-from app.tab.planning import draw_robot
+from app.tab.planning.robot import draw_robot
 from app.tab.start.opening import first_state
 from app.workers.reports import Planned, Prepared, Simulated
 from llsrbm.ocp.horizon import Iterate

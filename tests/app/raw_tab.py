@@ -16,7 +16,7 @@ import zstandard
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from app.tab.planning import ANSWERS
+from app.tab.planning.requests import ANSWERS
 from tests.app.page_script import PageScript
 
 CAMERA = {

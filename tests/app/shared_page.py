@@ -7,7 +7,7 @@ from app.panel.acts import Act
 from app.panel.view_controls import View
 from app.picture.overlays import AT_FIRST
 from app.plots.choice import DEFAULT
-from app.tab.refining import WholeBody
+from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.tab.start.opening import TabOpened, first_state
 from tests.app.chromium import BASE, VIEW, opened, status, tab

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from app.link import PageReady, PlaybackChosen, PlayerMoved
 from app.tab import files
 from app.tab.acts import Step, joined, on, submit, submit_beside
-from app.tab.drag_planning import REST
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
-from app.tab.planning import Rested, plan_design, show_given
+from app.tab.planning.dragging import REST
+from app.tab.planning.requests import Rested, plan_design
+from app.tab.showing import show_given
 from app.tab.state import FileWork, Given, TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.tasks import Prepare, SimulateSeeds

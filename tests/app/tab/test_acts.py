@@ -9,7 +9,7 @@ from app.panel.acts import Act, Button
 from app.picture.landing_handle import LandingDragged
 from app.tab import acts
 from app.tab.inbox import End, Inbox
-from app.tab.planning import Rested
+from app.tab.planning.requests import Rested
 from tests.app.pure_tab import PureTab, planned_tab
 
 

@@ -10,15 +10,7 @@ from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
 from app.panel.status import Verdict
-from app.tab.effects import (
-    Download,
-    Keep,
-    LoadRobot,
-    Notify,
-    Queue,
-    RobotLoaded,
-    Stop,
-)
+from app.tab.effects import Download, Keep, LoadRobot, Notify, Queue, RobotLoaded, Stop
 from app.tab.files import FileChosen
 from app.workers.opened_file import OpenedFile
 from app.workers.reports import Cancelled, Exported, Failed, Opened, Progress

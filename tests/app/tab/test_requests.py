@@ -9,7 +9,6 @@ import pytest
 from app.panel.acts import Act
 from app.panel.status import Verdict
 from app.tab.acts import Corrected
-from app.tab.drag_planning import REST
 from app.tab.effects import (
     After,
     Keep,
@@ -21,7 +20,8 @@ from app.tab.effects import (
     RobotMissing,
     Stop,
 )
-from app.tab.planning import Rested
+from app.tab.planning.dragging import REST
+from app.tab.planning.requests import Rested
 from app.tab.start.opening import example_design
 from app.workers.reports import Prepared
 from app.workers.tasks import PlanJump, Prepare, SimulateJump, SimulateSeeds

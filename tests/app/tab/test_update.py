@@ -31,8 +31,8 @@ from app.tab.effects import (
     Submit,
 )
 from app.tab.files import FileChosen
-from app.tab.planning import Rested
-from app.tab.refining import WholeBody
+from app.tab.planning.refining import WholeBody
+from app.tab.planning.requests import Rested
 from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.workers.opened_file import OpenedFile

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from app.tab.feasible import Tint
+from app.tab.planning.feasible import Tint
 from app.workers.reports import Refused
 from llsrbm.atlas.feasible import feasible_of
 from llsrbm.request.tuning import Tuning

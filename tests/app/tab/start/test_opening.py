@@ -10,7 +10,6 @@ from app.link import PageReady, PlayerMoved
 from app.panel.acts import Act
 from app.panel.status import SeedResult, Verdict
 from app.plots.choice import FEWER
-from app.tab.drag_planning import REST
 from app.tab.effects import (
     After,
     Keep,
@@ -23,7 +22,8 @@ from app.tab.effects import (
     SetPlayback,
     Submit,
 )
-from app.tab.planning import Rested
+from app.tab.planning.dragging import REST
+from app.tab.planning.requests import Rested
 from app.tab.start.opening import TabOpened, example_design, left, resume
 from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile

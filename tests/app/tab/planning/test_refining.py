@@ -5,7 +5,7 @@ import pytest
 from app.panel.acts import Act
 from app.panel.status import Verdict
 from app.tab.effects import After
-from app.tab.refining import WholeBody
+from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.workers.reports import Cancelled, Planned
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump

@@ -1,0 +1,110 @@
+"""Answers to a request: its plan that is shown, the nearest one, or a refusal."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from app.motion.baked import presentable
+from app.panel import summaries
+from app.panel.status import Verdict
+from app.tab.acts import Step, also, joined, on, outcome, played_first
+from app.tab.effects import After, Effect, Keep, Queue, Reported
+from app.tab.planning.dragging import REST
+from app.tab.planning.feasible import learn
+from app.tab.planning.refining import refine, wants_refining
+from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested
+from app.tab.showing import ended, show_plan
+from app.tab.simulating import simulate_next
+from app.tab.state import TabState
+from app.workers import reports, tasks
+from llsrbm.motion.plan import Plan
+
+
+@on(Queue.MOTION)
+def take_report(state: TabState, event: Reported) -> Step:
+    """A job on the motion has something to report: the newest one, or an older plan."""
+    report, work = event.report, state.work
+    if event.ticket <= work.dropped:
+        return state, ()
+    if event.ticket != work.newest:
+        # While a slider moves, the answer to an older request is worth showing.
+        return _answer(state, report, event.ticket)
+    task = work.awaited
+    if task is None:
+        return state, ()
+    if isinstance(report, reports.Partial):
+        return outcome(state, report, task)
+    before: tuple[Effect, ...] = ()
+    state = learn(state.with_work(awaited=None), report, task)
+    if isinstance(task, tasks.PlanJump):
+        state, before = _wait_for_rest(state, task)
+    return joined(before, outcome(state, report, task))
+
+
+def _wait_for_rest(state: TabState, task: tasks.PlanJump) -> Step:
+    dragging = state.work.dragging.answered(task)
+    state = state.with_work(dragging=dragging)
+    return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
+
+
+@on(tasks.PlanJump)
+def take_plan_report(state: TabState, report: reports.Report, _: tasks.PlanJump) -> Step:
+    """A plan is being made, or has been, or there is none."""
+    match report:
+        case reports.Progress():
+            if state.status.verdict in ANSWERS:
+                return state, ()
+            line = summaries.progress_line(report.text, report.iteration, report.residual)
+            line = f"{state.work.instead}{line}"
+            return state.with_status(Verdict.PLANNING, line, busy=True), ()
+        case reports.Refused(nearest=None):
+            return _refuse(state, report)
+        case reports.Planned() | reports.Refused():
+            return _take_plan(state, report)
+    return ended(state.forgetting(), report, PLAN_AGAIN), ()
+
+
+def _take_plan(state: TabState, report: reports.Planned | reports.Refused) -> Step:
+    """The newest request has its plan, or the nearest one."""
+    step = _answer(state, report, state.work.newest)
+    state, effects = step
+    if state.work.shown != state.work.newest or state.work.dragging.rests:
+        return step
+    status = replace(state.status, busy=False)
+    state = replace(state, status=status, history=replace(state.history, changing=()))
+    step = also((state, effects), Keep(state.design))
+    follow = refine if wants_refining(state) else simulate_next
+    return joined(step[1], follow(state))
+
+
+def _refuse(state: TabState, report: reports.Refused) -> Step:
+    """There is no plan, and none near it: show where the solver stopped, once it has rested."""
+    rests, robot = state.work.dragging.rests, state.robot
+    status = summaries.refused_status(report.reason, state.work.instead.strip())
+    state = replace(state, status=replace(status, busy=rests))
+    if rests:
+        return state, ()
+    if presentable(report.last) and robot is not None:
+        # Plans of older requests that are still under way do not replace it.
+        state = show_plan(state.with_work(shown=state.work.newest), report.last, robot)
+    return state.without_sequel(), ()
+
+
+def _answer(state: TabState, report: reports.Report, ticket: int) -> Step:
+    """Show the plan of a job, if it is newer than the one that is shown, and say what it is."""
+    match report:
+        case reports.Planned(plan=plan):
+            wanted, reason = None, ""
+        case reports.Refused(nearest=Plan() as plan):
+            wanted, reason = report.jump, report.reason
+        case _:
+            return state, ()
+    robot = state.robot
+    if ticket < state.work.shown or robot is None or plan.jump.robot != robot.name:
+        return state, ()
+    first = state.shown is None
+    state = show_plan(state.with_work(shown=ticket), plan, robot, wanted=wanted, reason=reason)
+    if ticket == state.work.newest or isinstance(state.work.awaited, tasks.PlanJump):
+        status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason)
+        state = replace(state, status=replace(status, busy=True))
+    return state, played_first(state) if first else ()

@@ -1,0 +1,145 @@
+"""Requests: the design is planned, after it has rested once more; the ones before it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from app.panel.acts import Act
+from app.panel.jump_types import not_supported, types_offered, with_type
+from app.panel.status import Verdict
+from app.tab.acts import Step, joined, on, submit
+from app.tab.effects import Keep, Queue, Stop
+from app.tab.simulating import simulate_again
+from app.tab.state import TabState
+from app.workers import tasks
+from llsrbm.request import jump_types
+from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+
+ANSWERS = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.INFEASIBLE)
+"""Status words that answer a request."""
+
+PLAN_AGAIN = "Move a slider to plan again."
+"""The sentence on a request that was given up."""
+
+_UNDONE_AT_MOST = 100  # designs; a hundred bytes each
+
+
+def plan_design(state: TabState) -> Step:
+    """Plan the design, unless that is under way; its robot is prepared first."""
+    state = replace(state, given=None)
+    name = state.design.jump.robot
+    if not state.ready:
+        if state.work.awaited == tasks.Prepare(name):
+            return state, ()
+        state = state.forgetting()
+        state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
+        return submit(state, tasks.Prepare(name))
+    state = _of_a_supported_type(state)
+    design = state.design
+    dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
+    state = state.with_work(dragging=dragging)
+    if task is None:
+        return state, ()
+    return _submit_plan(state, task, follows=not task.patient)
+
+
+def plan_or_keep(state: TabState) -> Step:
+    """Plan another design; where its plan is there already, have the browser keep it at once, and
+    simulate it if that is done by itself.
+    """
+    step = plan_design(state)
+    return step if step[1] else joined((Keep(state.design),), simulate_again(step[0]))
+
+
+def _submit_plan(state: TabState, task: tasks.PlanJump, *, follows: bool) -> Step:
+    """Have a plan made; if it `follows` an answer that is shown, that stays until it is there."""
+    if follows and state.status.verdict in ANSWERS:
+        state = replace(state, status=replace(state.status, busy=True))
+    else:
+        state = state.with_status(Verdict.PLANNING, f"{state.work.instead}...", busy=True)
+    return submit(state, task)
+
+
+def _of_a_supported_type(state: TabState) -> TabState:
+    """The state with a jump of the default type, if its robot lacks the feet of the design's."""
+    jump, robot = state.design.jump, state.robot
+    if robot is None or jump.type in types_offered(robot):
+        return state
+    instead = f"{not_supported(robot, jump.type)} "
+    jump = with_type(jump, jump_types.DEFAULT)
+    state, design = untitled(state, jump, state.design.tuning)
+    return replace(state, design=design).with_work(instead=instead)
+
+
+@dataclass(frozen=True)
+class Rested:
+    """The request has rested for as long as it has to, see `DragPlanning.rest`."""
+
+    number: int
+
+
+@on(Rested)
+def rest(state: TabState, event: Rested) -> Step:
+    """A request that has rested is planned from scratch."""
+    dragging, task = state.work.dragging.rested(event.number)
+    if task is None:
+        return state, ()
+    return _submit_plan(state.with_work(dragging=dragging), task, follows=True)
+
+
+@on(Act.CANCEL, visible=lambda state: state.status.busy)
+def cancel(state: TabState) -> Step:
+    """Give up what is being computed; of a request that rests, planning it from scratch."""
+    work = state.work
+    state = state.without_sequel()
+    if work.awaited is None and work.dragging.rests:
+        state = state.forgetting()
+        state = state.with_status(Verdict.CANCELLED, PLAN_AGAIN)
+    return state, (Stop(Queue.MOTION),)
+
+
+@on(Act.NEAREST, visible=lambda state: state.shown is not None and state.shown.wanted is not None)
+def take_nearest(state: TabState) -> Step:
+    """Have the jump that is shown, the nearest, in place of the one that was asked for."""
+    shown = state.shown
+    if shown is None or shown.wanted is None:
+        return state, ()
+    state, design = untitled(state, shown.plan.jump, state.design.tuning)
+    state = replace(state, shown=replace(shown, wanted=None))
+    return plan_design(remember(state, design, settled=True))
+
+
+# ---- designs, and those before them
+
+
+def remember(state: TabState, design: Design, *, settled: bool = False) -> TabState:
+    """The state with another design, and the one before to go back to.
+
+    Changes of the same numbers that follow each other are one step back, unless it is `settled`.
+    """
+    if design == state.design:
+        return state
+    history, changed = state.history, () if settled else _changes(state.design, design)
+    if not changed or changed != history.changing:
+        back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
+        history = replace(history, back=back)
+    state = state.without_sequel().with_work(instead="")
+    return replace(state, design=design, history=replace(history, forth=(), changing=changed))
+
+
+def untitled(state: TabState, jump: Jump, tuning: Tuning) -> tuple[TabState, Design]:
+    """Another design of the visitor's own: titles and notes are not of it."""
+    design = replace(state.design, jump=jump, tuning=tuning, title="", note="")
+    return replace(state, note=""), design
+
+
+def _changes(one: Design, other: Design) -> tuple[str, ...]:
+    pairs = ((one.jump, other.jump), (one.tuning, other.tuning), (one.scenario, other.scenario))
+    return tuple(
+        f"{type(a).__name__}.{field.name}"
+        for a, b in pairs
+        for field in fields(a)
+        if getattr(a, field.name) != getattr(b, field.name)
+    )
