@@ -22,7 +22,7 @@ import numpy as np
 import llsrbm
 from benchmarks.interleaved import compare
 from benchmarks.opti_baseline import solve_baseline
-from llsrbm.motion.plan import SolveReport
+from llsrbm.motion.solve_report import SolveReport
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.planner import Planner, planner_for
 

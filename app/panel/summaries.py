@@ -15,8 +15,9 @@ from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.motion.outcome import Outcome
-from llsrbm.motion.plan import Plan, Violation
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.solve_report import Violation
 from llsrbm.request.jump import Jump, changes
 from llsrbm.request.numbers import decimal, degrees, percent, power
 from llsrbm.robots import load_robot

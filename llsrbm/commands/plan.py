@@ -13,7 +13,8 @@ from llsrbm.errors import NotConverged
 from llsrbm.request.numbers import degrees
 
 if TYPE_CHECKING:
-    from llsrbm.motion.plan import Plan, Refinement
+    from llsrbm.motion.plan import Plan
+    from llsrbm.motion.solve_report import Refinement
 
 
 @options.with_jump_options

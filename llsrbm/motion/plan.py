@@ -42,71 +42,24 @@ from llsrbm.files.quantity import (
     quantities,
     vector,
 )
+from llsrbm.motion.solve_report import NEAREST, Refinement, SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
 
-
-@dataclass(frozen=True)
-class Violation:
-    """By how much one named constraint is violated, recomputed from the result.
-
-    Attributes:
-        amount: largest violation, in `unit` (SI); 0 when satisfied.
-        phase, time: name of the schedule's phase in which it is largest, and when, s.
-    """
-
-    amount: float
-    unit: str
-    phase: str
-    time: float
-
-
-@dataclass(frozen=True)
-class SolveReport:
-    """Status, effort and wall times (s) of a solve.
-
-    Attributes:
-        status: "solved" or "not-converged"; solver: "fatrop" or "ipopt".
-        iterations, guess: interior-point iterations of the attempt that is returned, and the origin
-            of its initial guess, in words.
-        attempts: initial guesses tried, 1 when the analytic one was enough.
-        solve_time_s: inside the solver, all attempts; total_time_s: from request to `Plan`, solver
-            already built; build_time_s: to build or load the solver, 0 when it was at hand.
-        cost: value of the objective.
-        compiling: whether the solver was still being compiled, and took twice as long for it.
-    """
-
-    status: str
-    solver: str
-    iterations: int
-    attempts: int
-    solve_time_s: float
-    total_time_s: float
-    build_time_s: float
-    cost: float
-    guess: str = ""
-    compiling: bool = False
-
-
-@dataclass(frozen=True)
-class Refinement:
-    """Status, effort and wall times (s) of the second stage, on the whole body's dynamics.
-
-    Attributes:
-        status: "solved", or "not-converged": then the plan is the centroidal one.
-        solve_time_s, total_time_s, build_time_s, compiling: as of a `SolveReport`.
-    """
-
-    status: str
-    iterations: int
-    solve_time_s: float
-    total_time_s: float
-    build_time_s: float
-    cost: float
-    compiling: bool = False
+__all__ = [
+    "NEAREST",
+    "OPTIONAL",
+    "SCHEMA",
+    "OfRobot",
+    "Plan",
+    "Refinement",
+    "SolveReport",
+    "Violation",
+    "load_plan",
+]
 
 
 class OfRobot:
@@ -335,8 +288,6 @@ class Plan(OfRobot):
 
 
 SCHEMA = "llsrbm.plan/2"
-NEAREST = "nearest to another request"
-"""`SolveReport.guess` of plans that were made in place of a request that is not feasible."""
 
 
 # What stands at `meta` under its own name.

@@ -12,7 +12,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Plan, Refinement, SolveReport, Violation
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.solve_report import Refinement, SolveReport, Violation
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import schedule_of
 from llsrbm.request.schedule import Schedule

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.motion.plan import Plan, SolveReport, Violation
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.solve_report import SolveReport, Violation
 from llsrbm.request.jump import Jump
 from llsrbm.request.schedule import Phase, Schedule, together
 

@@ -9,7 +9,7 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Violation
+from llsrbm.motion.solve_report import Violation
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation import simulate as simulator

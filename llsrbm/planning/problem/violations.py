@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import Stop
-from llsrbm.motion.plan import Violation
+from llsrbm.motion.solve_report import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.constraints.base import JointDemand, Limit
 from llsrbm.planning.problem.knots import DYNAMICS, Knots

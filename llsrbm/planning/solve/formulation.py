@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import Plan, SolveReport, Violation
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.solve_report import SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import PATIENT, SolveOptions, Solver

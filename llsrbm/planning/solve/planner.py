@@ -11,7 +11,8 @@ from functools import cached_property, lru_cache, partial
 from llsrbm.errors import InputError
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
-from llsrbm.motion.plan import NEAREST, Plan
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.solve_report import NEAREST
 from llsrbm.ocp import solvers
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.elastic import ElasticLayout

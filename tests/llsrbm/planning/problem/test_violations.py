@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.motion.plan import Violation
+from llsrbm.motion.solve_report import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import (

@@ -8,8 +8,8 @@ import pytest
 import llsrbm
 from llsrbm import models
 from llsrbm.errors import Cancelled, InputError, NotConverged
-from llsrbm.motion.plan import Refinement
 from llsrbm.motion.sampling import resample
+from llsrbm.motion.solve_report import Refinement
 from llsrbm.ocp import progress, solvers
 from llsrbm.planning.problem.constraints import AGREED
 from llsrbm.planning.problem.constraints.drives import (

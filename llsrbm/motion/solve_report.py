@@ -1,0 +1,68 @@
+"""Reports on the solves of a plan: effort, wall times, and violations of its constraints."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+NEAREST = "nearest to another request"
+"""`SolveReport.guess` of plans that were made in place of a request that is not feasible."""
+
+
+@dataclass(frozen=True)
+class Violation:
+    """By how much one named constraint is violated, recomputed from the result.
+
+    Attributes:
+        amount: largest violation, in `unit` (SI); 0 when satisfied.
+        phase, time: name of the schedule's phase in which it is largest, and when, s.
+    """
+
+    amount: float
+    unit: str
+    phase: str
+    time: float
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """Status, effort and wall times (s) of a solve.
+
+    Attributes:
+        status: "solved" or "not-converged"; solver: "fatrop" or "ipopt".
+        iterations, guess: interior-point iterations of the attempt that is returned, and the origin
+            of its initial guess, in words.
+        attempts: initial guesses tried, 1 when the analytic one was enough.
+        solve_time_s: inside the solver, all attempts; total_time_s: from request to `Plan`, solver
+            already built; build_time_s: to build or load the solver, 0 when it was at hand.
+        cost: value of the objective.
+        compiling: whether the solver was still being compiled, and took twice as long for it.
+    """
+
+    status: str
+    solver: str
+    iterations: int
+    attempts: int
+    solve_time_s: float
+    total_time_s: float
+    build_time_s: float
+    cost: float
+    guess: str = ""
+    compiling: bool = False
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Status, effort and wall times (s) of the second stage, on the whole body's dynamics.
+
+    Attributes:
+        status: "solved", or "not-converged": then the plan is the centroidal one.
+        solve_time_s, total_time_s, build_time_s, compiling: as of a `SolveReport`.
+    """
+
+    status: str
+    iterations: int
+    solve_time_s: float
+    total_time_s: float
+    build_time_s: float
+    cost: float
+    compiling: bool = False
