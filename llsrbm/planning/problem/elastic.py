@@ -25,7 +25,8 @@ from llsrbm.planning.problem.foot_clearance import (
     edge_ranges,
     ground_share,
 )
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import quat_product
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task

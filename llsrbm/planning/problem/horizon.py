@@ -18,7 +18,7 @@ from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
 from llsrbm.planning.problem.elastic import ElasticStage
 from llsrbm.planning.problem.knots import DYNAMICS, Rows
-from llsrbm.planning.problem.layout import BODY_PLACES, Layout, Role
+from llsrbm.planning.problem.layout import BODY_PLACES, Layout
 from llsrbm.planning.problem.parameters import (
     CORRECTION,
     local_parameters,
@@ -27,6 +27,7 @@ from llsrbm.planning.problem.parameters import (
     parameter_symbols,
     parameters,
 )
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.robot import Robot

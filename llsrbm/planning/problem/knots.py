@@ -14,7 +14,7 @@ from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.problem.layout import SHIFT, Layout, Role
+from llsrbm.planning.problem.layout import SHIFT, Layout
 from llsrbm.planning.problem.parameters import (
     CORRECTION,
     local_parameters,
@@ -22,6 +22,7 @@ from llsrbm.planning.problem.parameters import (
     parameter_symbols,
     parameters,
 )
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task, contact_points
 

@@ -20,6 +20,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.planning.problem.roles import Role, roles_of
 from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
@@ -38,83 +39,6 @@ _SCALARS = ("duration", "next_duration")
 
 LEAST_INTERVALS = 3  # of a phase
 NOMINAL_PHASES = 3  # that share the number of intervals of a request
-
-
-@dataclass(frozen=True)
-class Role:
-    """Kind of a knot's stage; knots of one role share their expressions.
-
-    Attributes:
-        phase: index.
-        intervals: of the phase.
-        standing: legs whose feet stand over the interval that starts here; swinging: the others.
-        leaving, landing: at a phase's first knot, legs whose feet have just left or met the ground.
-        rising, settling: over a phase's last interval, legs whose feet leave or meet it at its end.
-        beside_swing: legs that rise or land, where they must not outrun their drives; none of a
-            body that turns over, whose knees do.
-        initial: the very first knot; terminal: the very last, after which nothing follows.
-        first, last: of the phase's intervals.
-        final: in the schedule's last phase.
-        clears: whether trunk, knees and flying feet are kept clear of something.
-        lands_upright: after the last flight of a body that turns over.
-        under_way: of a motion that began under way.
-        shifts: whether where feet will land is a variable; shifted: whether they have landed there.
-    """
-
-    phase: int
-    intervals: int
-    standing: tuple[int, ...]
-    swinging: tuple[int, ...]
-    leaving: tuple[int, ...] = ()
-    landing: tuple[int, ...] = ()
-    rising: tuple[int, ...] = ()
-    settling: tuple[int, ...] = ()
-    beside_swing: tuple[int, ...] = ()
-    initial: bool = False
-    terminal: bool = False
-    first: bool = False
-    last: bool = False
-    final: bool = False
-    clears: bool = False
-    lands_upright: bool = False
-    under_way: bool = False
-    shifts: bool = False
-    shifted: bool = False
-
-    @property
-    def in_contact(self) -> bool:
-        """True if forces act over the interval that starts here."""
-        return bool(self.standing) and not self.terminal
-
-    @property
-    def in_air(self) -> tuple[int, ...]:
-        """Legs whose feet are variables at the knot: those that swing, and those just landed."""
-        return tuple(sorted({*self.swinging, *self.landing}))
-
-    @property
-    def flying(self) -> tuple[int, ...]:
-        """Legs whose feet are off the ground at the knot and after it."""
-        return tuple(leg for leg in self.swinging if leg not in self.leaving)
-
-    @property
-    def flies(self) -> bool:
-        """True if feet are off the ground at the knot, which is not where it all begins."""
-        return bool(self.flying) and not self.initial
-
-    @property
-    def staying(self) -> tuple[int, ...]:
-        """Standing legs whose feet stand after the interval, too."""
-        return tuple(leg for leg in self.standing if leg not in self.rising)
-
-    @property
-    def is_flight(self) -> bool:
-        """True if no foot stands."""
-        return not self.standing
-
-    @property
-    def moves_feet(self) -> bool:
-        """True if a foot leaves, swings or lands here: where joints are fast."""
-        return bool(self.swinging or self.rising or self.landing)
 
 
 def split(intervals: int, schedule: Schedule) -> tuple[int, ...]:
@@ -207,57 +131,13 @@ class Layout:
     @cached_property
     def roles(self) -> tuple[Role, ...]:
         """(N + 1) roles."""
-        roles: list[Role] = []
-        last_phase, upright = self.phases - 1, self.turns
-        flights = [p for p, row in enumerate(self.stands) if not any(row)]
-        last_flight = max(flights, default=-1)
-        shifts = self.under_way and bool(flights)
-        for p, count in enumerate(self.intervals):
-            now = np.array(self.stands[p])
-            before = np.array(self.stands[max(p - 1, 0)])
-            after = np.array(self.stands[min(p + 1, last_phase)])
-
-            def legs(mask: NDArray[np.bool_]) -> tuple[int, ...]:
-                return tuple(int(leg) for leg in np.flatnonzero(mask))
-
-            for k in range(count):
-                first, last = k == 0, k == count - 1
-                rising = legs(now & ~after) if last else ()
-                landing = legs(~before & now) if first else ()
-                roles.append(
-                    Role(
-                        phase=p,
-                        intervals=count,
-                        standing=legs(now),
-                        swinging=legs(~now),
-                        leaving=legs(before & ~now) if first else (),
-                        landing=landing,
-                        rising=rising,
-                        settling=legs(~now & after) if last else (),
-                        beside_swing=() if self.turns else tuple(sorted({*rising, *landing})),
-                        initial=p == 0 and first,
-                        first=first,
-                        last=last,
-                        final=p == last_phase,
-                        clears=self.clears and not (p == 0 and first),
-                        lands_upright=upright and p > last_flight,
-                        under_way=self.under_way,
-                        shifts=shifts,
-                        shifted=shifts and p > flights[0],
-                    )
-                )
-        end = Role(
-            last_phase,
-            self.intervals[-1],
-            standing=tuple(range(self.legs)),
-            swinging=(),
-            terminal=True,
-            final=True,
+        return roles_of(
+            self.stands,
+            self.intervals,
+            clears=self.clears,
+            turns=self.turns,
             under_way=self.under_way,
-            shifts=shifts,
-            shifted=shifts,
         )
-        return (*roles, end)
 
     @cached_property
     def phase(self) -> NDArray[np.int64]:

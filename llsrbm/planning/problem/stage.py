@@ -8,7 +8,7 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
-from llsrbm.planning.problem.layout import Role
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import direction
 from llsrbm.planning.problem.stage_feet import StageFeet
 

@@ -10,7 +10,8 @@ import casadi as ca
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.lifting import Lifting
-from llsrbm.planning.problem.layout import SHIFT, Layout, Role
+from llsrbm.planning.problem.layout import SHIFT, Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
 
 

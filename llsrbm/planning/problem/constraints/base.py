@@ -12,7 +12,8 @@ from pydantic import BaseModel
 
 from llsrbm.errors import JointNeed
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
 

@@ -18,7 +18,8 @@ from llsrbm.planning.problem.clearance_profile import (
 )
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 

@@ -22,7 +22,8 @@ from llsrbm.body.peak_loads import event_beside, when_in_words
 from llsrbm.errors import JointNeed
 from llsrbm.planning.problem.constraints.base import AgreedConstraint, Array, Bounds, spread
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
 

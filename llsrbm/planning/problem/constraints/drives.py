@@ -27,7 +27,7 @@ from llsrbm.planning.problem.constraints.drive_rows import (
     when_in,
 )
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Role
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.drives import FULL_UP_TO

@@ -13,7 +13,8 @@ from llsrbm.planning.problem.elastic import (
     ElasticRole,
     elastic_parameters,
 )
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 

@@ -10,7 +10,8 @@ import numpy as np
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 

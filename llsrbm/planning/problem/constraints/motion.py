@@ -9,7 +9,8 @@ import numpy as np
 
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.planning.problem.task import Task
 

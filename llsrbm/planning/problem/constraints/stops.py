@@ -17,7 +17,8 @@ from llsrbm.planning.problem.constraints.base import (
 )
 from llsrbm.planning.problem.constraints.drive_rows import when_in
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
 

@@ -11,7 +11,8 @@ from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE
 from llsrbm.planning.problem.knots import Knots
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 

@@ -8,7 +8,8 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.planning.problem.constraints.base import Bounds, Constraint, Limit
-from llsrbm.planning.problem.layout import Layout, Role
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
