@@ -1,0 +1,212 @@
+"""Attempts of a solve: their starts, progress, cancellation, and what is left when all fail."""
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.errors import Cancelled, InputError, NotConverged
+from llsrbm.motion.sampling import resample
+from llsrbm.motion.solve_report import Refinement
+from llsrbm.ocp import progress, solvers
+from llsrbm.planning.problem.violations import TOLERANCE, excess
+from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
+from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import REQUESTS, solved
+
+ROBOT = load_robot("anymal")
+NEAR = {"10 degrees": {"twist": -0.17}, "all": {"twist": 0.1, "forward": -0.03, "height": 0.02}}
+
+
+@pytest.fixture
+def planner():
+    """One of its own, to be tampered with; its solver comes from the cache."""
+    return Planner(ROBOT, "srbm")
+
+
+@pytest.mark.parametrize("step", NEAR)
+def test_from_a_near_plan_the_same_optimum_is_a_few_iterations_away(planner, step):
+    """The cold solution is the independent truth."""
+    near = planner.plan(Jump(model="srbm", twist=1.2, forward=0.1))
+    jump = replace(near.jump, **{k: getattr(near.jump, k) + v for k, v in NEAR[step].items()})
+    plan, cold = planner.plan(jump, near=near), planner.plan(jump)
+    assert plan.report.attempts == 1
+    assert plan.report.iterations <= 6 < cold.report.iterations
+    assert plan.report.cost == pytest.approx(cold.report.cost, rel=1e-3)
+    np.testing.assert_allclose(plan.com, cold.com, atol=3e-3)
+    assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
+
+
+def test_a_plan_from_a_file_can_be_started_from(planner, tmp_path):
+    near = solved("srbm", "forward").plan
+    near.save(tmp_path / "plan.npz")
+    jump = replace(near.jump, twist=near.jump.twist + 0.05)
+    here = planner.plan(jump, near=near)
+    there = planner.plan(jump, near=llsrbm.load(tmp_path / "plan.npz"))
+    assert there.report.attempts == 1
+    assert there.report.iterations == here.report.iterations
+    np.testing.assert_array_equal(there.com, here.com)
+
+
+def test_a_refined_plan_can_be_started_from_whatever_its_knots(planner):
+    """It has more of them where a phase has an odd number of intervals; its solution has not."""
+    near = solved("srbm", "forward").plan
+    jump = replace(near.jump, twist=near.jump.twist + 0.05)
+    second = Refinement("solved", *[0] * 5)
+    other = resample(near, np.linspace(0.0, near.duration, len(near.time) + 2))
+    other = replace(other, solution=near.solution, refinement=second)
+    np.testing.assert_array_equal(
+        planner.plan(jump, near=other).com, planner.plan(jump, near=near).com
+    )
+    with pytest.raises(InputError, match="cannot be started from"):
+        planner.plan(jump, near=replace(other, refinement=None))
+
+
+def test_what_cannot_be_started_from(planner):
+    jump = Jump(model="srbm", forward=0.3)
+    near = solved("srbm", "forward").plan
+    with pytest.raises(InputError, match="cannot be started from; expected one that converged"):
+        planner.plan(jump, near=replace(near, solution=None))
+    short = replace(near.solution, multipliers=near.solution.multipliers[:-1])
+    with pytest.raises(InputError, match="of another version of the planner"):
+        planner.plan(jump, near=replace(near, solution=short))
+    with pytest.raises(InputError, match="expected anymal as it is now with srbm and 48 int"):
+        planner.plan(jump, near=solved("llsrbm", "forward").plan)
+
+
+class Reluctant:
+    """A solver whose first solves end where they began."""
+
+    def __init__(self, solver, failures):
+        self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
+        self.name, self.sizes, self.function = solver.name, solver.sizes, solver.function
+
+    def solve(self, problem, guess, options=solvers.PATIENT, read=None):
+        self.calls.append(guess)
+        return self._spoilt(self.solver.solve(problem, guess, options, read), guess)
+
+    def follow(self, problem, start):
+        self.calls.append(start.variables)
+        return self._spoilt(self.solver.follow(problem, start), start.variables)
+
+    def _spoilt(self, solution, start):
+        self.seconds.append(solution.solve_time_s)
+        if len(self.calls) <= self.failures:
+            spoilt = {"variables": start, "converged": False, "message": "reluctant"}
+            solution = replace(solution, **spoilt)
+        return solution
+
+
+def made_reluctant(planner, failures):
+    solver = Reluctant(planner.formulation.solver, failures)
+    planner.formulation = replace(planner.formulation, solver=solver)
+    return solver
+
+
+def test_an_attempt_is_told(planner):
+    solver = made_reluctant(planner, 0)
+    said = []
+    plan = planner.plan(Jump(model="srbm", forward=0.3), progress=said.append)
+    assert plan.solved
+    assert plan.report.attempts == len(solver.calls) == 1
+    assert [news.text for news in said if news.iteration is None] == [
+        "attempt 1: from the analytic guess"
+    ]
+    assert plan.report.solve_time_s == pytest.approx(sum(solver.seconds), rel=0.05)
+    assert plan.report.cost == pytest.approx(solved("srbm", "forward").plan.report.cost, rel=5e-3)
+
+
+def test_what_cannot_be_says_what_is_violated(planner):
+    """Where no nearer jump is looked for."""
+    made_reluctant(planner, 99)
+    with pytest.raises(NotConverged) as caught:
+        planner.plan(Jump(model="srbm", forward=0.3), patient=False)
+    message, plan = str(caught.value), caught.value.plan
+    assert "\n" not in message
+    assert message.startswith(
+        "no plan found in 1 attempts (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm): "
+    )
+    _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
+    assert v.amount > TOLERANCE
+    assert not plan.solved
+    assert plan.report.status == "not-converged"
+    assert plan.report.attempts == 1
+    assert caught.value.nearest is None
+    assert caught.value.reason == " and ".join(map(str, caught.value.stops[:2]))
+    assert plan.com.shape == (INTERVALS + 1, 3)
+    with pytest.raises(InputError, match="no solution yet"):
+        planner.last_knots()
+
+
+def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
+    near = planner.plan(Jump(model="srbm", forward=0.3))
+    solver = made_reluctant(planner, 1)
+    said = []
+    plan = planner.plan(Jump(model="srbm", forward=0.32), near=near, progress=said.append)
+    assert plan.solved
+    assert plan.report.attempts == len(solver.calls) == 2
+    assert said[0].text == "attempt 1: from the last plan"
+    np.testing.assert_array_equal(
+        plan.com, planner.plan(Jump(model="srbm", forward=0.32)).com, "from the analytic guess"
+    )
+
+
+@pytest.mark.parametrize("near", [False, True])
+def test_impatient_planning_gives_up_after_the_quick_attempts(planner, near):
+    start = planner.plan(Jump(model="srbm", forward=0.3)) if near else None
+    solver = made_reluctant(planner, 9)
+    with pytest.raises(NotConverged, match=f"no plan found in {1 + near} attempts"):
+        planner.plan(Jump(model="srbm", forward=0.3), near=start, patient=False)
+    assert len(solver.calls) == 1 + near
+
+
+def test_cancelled_in_the_middle_of_a_solve(planner):
+    """The solve goes on unseen; the next plan waits for it and is what it always is."""
+    jump = Jump(model="srbm", **REQUESTS["all"])
+    planner.plan(jump)  # whatever is done once is done
+    begun, release = threading.Event(), threading.Event()
+    solver = planner.formulation.solver
+    solve = solver._run
+
+    def slow(*arguments):
+        begun.set()
+        release.wait(30)
+        return solve(*arguments)
+
+    solver._run = slow
+    with pytest.raises(Cancelled):
+        planner.plan(jump, cancelled=begun.is_set)
+    solver._run = solve
+    threading.Timer(0.1, release.set).start()
+    again = planner.plan(jump)
+    assert release.is_set()
+    np.testing.assert_array_equal(again.com, solved("srbm", "all").plan.com)
+
+
+def test_iterations_are_told_while_a_solve_runs(capfd, monkeypatch):
+    monkeypatch.setattr(progress, "REPORT_INTERVAL", 0.0)
+    monkeypatch.setattr(progress, "POLL_INTERVAL", 1e-3)
+    planner = planner_for("anymal", "llsrbm-plus")
+    said, threads = [], set()
+
+    def hear(news):
+        said.append(news)
+        threads.add(threading.get_ident())
+
+    jump = Jump(**REQUESTS["all"])
+    plan = planner.plan(jump, progress=hear)
+    np.testing.assert_array_equal(plan.com, solved("llsrbm-plus", "all").plan.com)
+    assert said[0] == PlanningProgress("attempt 1: from the analytic guess")
+    assert {news.text for news in said} == {said[0].text}
+    numbers = [news.iteration for news in said[1:]]
+    assert len(numbers) >= 3
+    assert numbers == sorted(set(numbers))
+    assert 0 <= numbers[0] <= numbers[-1] <= plan.report.iterations
+    assert said[-1].residual < said[1].residual
+    assert threads == {threading.get_ident()}
+    planner.plan(jump)  # silent again
+    assert capfd.readouterr() == ("", "")
