@@ -74,7 +74,8 @@ class Task(ABC):
 
     @property
     @abstractmethod
-    def kind(self) -> Kind: ...
+    def kind(self) -> Kind:
+        """Its kind, one of each of which a tab has running at a time."""
 
     @property
     def needs(self) -> Hashable:

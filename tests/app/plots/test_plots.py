@@ -173,6 +173,7 @@ def test_what_cannot_be_chosen_is_ignored(page, layers):
     page.tab.set("Landing zoom", True)
     while not (choice := page.chosen.get(timeout=5)).landing:
         pass
+    assert choice.charts == DEFAULT.charts
     page.draw(layers, choice)
     page.tab.wait(lambda: charts(page.tab), "charts")
 

@@ -96,5 +96,7 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
 
 def test_a_bad_file_is_one_line(page):
     drop(page, "bad.npz", b"PK\x03\x04nothing")
-    page.get_by_text("Not opened: bad.npz: ").wait_for()
+    note = page.get_by_text("Not opened: bad.npz: ")
+    note.wait_for()
+    assert "\n" not in note.inner_text()
     status(page, "Feasible")

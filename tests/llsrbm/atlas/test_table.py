@@ -76,7 +76,8 @@ sys.modules["pyarrow"] = None
 from llsrbm.atlas.table import read_atlas, shipped_atlas
 read_atlas(shipped_atlas())
 """
-    subprocess.run([sys.executable, "-c", script], check=True)
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr
 
 
 def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):

@@ -297,6 +297,7 @@ class TestInABrowser:
         tab.wait_for_function(moved, arg=[before, 0.05])
         tab.get_by_label("Look from where it began").click()
         tab.wait_for_function(moved.replace("> least", "< least"), arg=[before, 1e-3])
+        assert tab.faults == []
 
 
 @pytest.mark.browser
