@@ -22,6 +22,7 @@ import llsrbm
 from benchmarks.range import COMPONENTS, requests
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
+from llsrbm.planning.whole_body.feedback import in_order
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.world import Diverged, World
@@ -51,7 +52,8 @@ def play(plan: llsrbm.Plan, way: str, seed: int, push: Array | None = None) -> t
     assert motion.joint_torque is not None
     q, v = pinocchio_states(motion.qpos, motion.qvel)
     knot = np.searchsorted(plan.time, time + 1e-9, side="right") - 1
-    gain = _in_robots_order(plan, robot.joint_names)
+    assert plan.feedback_gain is not None
+    gain = in_order(plan.feedback_gain, plan.joint_names, robot.joint_names)
     limit, joints = robot.torque_limit, slice(6, None)
     world.reset(q[0], v[0])
     off = np.zeros(robot.model.nv)
@@ -72,15 +74,6 @@ def play(plan: llsrbm.Plan, way: str, seed: int, push: Array | None = None) -> t
         except Diverged:
             return np.inf, np.pi
     return float(np.linalg.norm(off[:3])), float(np.linalg.norm(off[3:6]))
-
-
-def _in_robots_order(plan: llsrbm.Plan, names: tuple[str, ...]) -> Array:
-    """(N + 1, J, 12 + 2 J) gains, joints as in the robot's file."""
-    assert plan.feedback_gain is not None
-    order = np.array([plan.joint_names.index(name) for name in names])
-    half = np.concatenate([np.arange(6), 6 + order])
-    gain: Array = plan.feedback_gain[:, order][:, :, np.concatenate([half, len(half) + half])]
-    return gain
 
 
 def main(

@@ -62,12 +62,14 @@ def with_feedback(plan: Plan) -> Plan:
     about = _About(robot, *pinocchio_states(motion.qpos, motion.qvel), motion.joint_torque)
     stands = plan.schedule.stands[plan.phase]
     gain = _regulator(about, stands, np.append(np.diff(plan.time), STANDS))
-    # As the plan has its joints.
-    order = [robot.joint_names.index(name) for name in plan.joint_names]
-    base = np.arange(6)
-    half = np.concatenate([base, 6 + np.array(order)])
-    columns = np.concatenate([half, robot.model.nv + half])
-    return replace(plan, feedback_gain=gain[:, order][:, :, columns])
+    return replace(plan, feedback_gain=in_order(gain, robot.joint_names, plan.joint_names))
+
+
+def in_order(gain: Array, names: tuple[str, ...], wanted: tuple[str, ...]) -> Array:
+    """Gains (K, J, 12 + 2 J) of joints in the order of `names`, with them in the `wanted` order."""
+    joints = np.array([names.index(name) for name in wanted])
+    half = np.concatenate([np.arange(6), 6 + joints])
+    return gain[:, joints][:, :, np.concatenate([half, len(half) + half])]
 
 
 class _About:

@@ -38,6 +38,17 @@ def test_gains_are_of_every_knot_and_each_joint_is_turned_back():
     assert (own > 0).all()
 
 
+def test_gains_in_another_order_turn_the_same_errors_into_the_same_torques():
+    rng, names, wanted = np.random.default_rng(0), ("a", "b", "c"), ("c", "a", "b")
+    gain, error = rng.normal(size=(2, 3, 18)), rng.normal(size=(2, 9))
+    turned = error.copy()
+    turned[:, 6:] = error[:, [8, 6, 7]]
+    torque = gain @ error.ravel()
+    other = feedback.in_order(gain, names, wanted)
+    np.testing.assert_allclose(other @ turned.ravel(), torque[:, [2, 0, 1]])
+    np.testing.assert_array_equal(feedback.in_order(other, wanted, names), gain)
+
+
 def test_they_come_with_the_file(tmp_path):
     plan().save(tmp_path / "plan.npz")
     read = llsrbm.load(tmp_path / "plan.npz")
