@@ -99,7 +99,7 @@ def parts(plan_path: str) -> dict[str, float]:
     timed(InverseDynamics, "solve", "QP, setting up")
     timed(Qp, "solve", "QP, solving")
     timed(ResidualDetector, "update", "detection")
-    timed(ContactSchedule, "feel", "detection")
+    timed(ContactSchedule, "find_contacts", "detection")
     step = "step" if hasattr(WholeBodyController, "step") else "tick"
     timed(WholeBodyController, step, "rest")
     rollout = llsrbm.simulate(llsrbm.load(plan_path))

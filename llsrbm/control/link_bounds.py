@@ -17,7 +17,8 @@ from llsrbm.robots.near_links import NearLinks
 
 Array = NDArray[np.float64]
 
-NEAR = 0.04  # m: links farther apart are not looked at
+# Looked at are links that joints, as fast as they turn, could bring together within so long (s).
+SOON = 0.02
 LEAST = 0.002  # m that links keep apart; with 5 mm feet are kept from where plans land them
 
 
@@ -34,7 +35,8 @@ class LinkBounds:
 
         One row for each two limbs that are near each other, mostly none.
         """
-        found = self._links.at(body.data, NEAR)
+        near = 2 * LEAST + SOON * self._links.fastest(body.v)
+        found = self._links.at(body.data, body.q, near)
         if not found:
             return np.zeros((0, len(self._torque))), np.zeros(0)
         slopes = np.array([near.slope for near in found])

@@ -54,54 +54,61 @@ class Near:
 
 
 class NearLinks:
-    """Measures a robot's links that can meet, posture by posture."""
+    """Measures a robot's links that can meet, posture by posture.
+
+    A pair that was measured cannot have come nearer than joints have moved its links since: while
+    postures follow each other closely, few have to be measured again.
+    """
 
     def __init__(self, shapes: LinkShapes) -> None:
         self._model, self._shapes = shapes.robot.model, shapes
         self._geometry = shapes.geometry
         self._placed = self._geometry.createData()
-        joints = [shape.joint for shape in shapes.shapes]
-        self._joints, self._of_shape = np.unique(joints, return_inverse=True)
-        self._centres, self._radii = shapes.spheres
-        self._one, self._other = np.reshape(np.array(shapes.shape_pairs, dtype=np.int64), (-1, 2)).T
-        self._least = self._radii[self._one] + self._radii[self._other]
+        pairs = np.reshape(np.array(shapes.shape_pairs, dtype=np.int64), (-1, 2))
+        reach = _reach(shapes)
+        self._pairs = pairs.tolist()
+        self._reach = reach[pairs[:, 0]] + reach[pairs[:, 1]]
+        self._measured = np.full(len(pairs), -np.inf)  # m, and with which joints
+        self._joints = np.zeros_like(self._reach)
         limb_of = {
             joint: place for place, leg in enumerate(shapes.robot.legs) for joint in leg.joint_ids
         }
-        limbs = np.array([limb_of.get(joint, -1) for joint in joints])
-        self._limbs = list(zip(limbs[self._one].tolist(), limbs[self._other].tolist(), strict=True))
+        limbs = [limb_of.get(shape.joint, -1) for shape in shapes.shapes]
+        self._limbs = [(limbs[one], limbs[other]) for one, other in self._pairs]
 
     @classmethod
     def of(cls, robot: Robot) -> NearLinks:
         """A robot's, with storage of its own. Raises what `LinkShapes.of` raises."""
         return cls(LinkShapes.of(robot))
 
-    def at(self, data: pin.Data, within: float) -> list[Near]:
-        """Those `within` (m) of each other that joints move, by soonest.
+    def at(self, data: pin.Data, q: Array, within: Array) -> list[Near]:
+        """Those `within` (K,) m of each other that joints move, by soonest, in a posture q (nq,).
 
-        `data`: with the bodies placed, and the joints' Jacobians.
+        `data`: with its bodies placed, and the joints' Jacobians.
         """
-        # Shapes whose spheres are farther apart need not be measured.
-        moved = [data.oMi[joint] for joint in self._joints.tolist()]
-        rotation = np.array([placement.rotation for placement in moved])[self._of_shape]
-        origin = np.array([placement.translation for placement in moved])[self._of_shape]
-        centres = origin + np.einsum("sij,sj->si", rotation, self._centres)
-        between = centres[self._one] - centres[self._other]
-        reach = within + self._least
-        candidates = np.flatnonzero(np.einsum("ki,ki->k", between, between) < reach**2)
-        if not len(candidates):
+        joints = q[7:]
+        least = self._measured - (self._reach * np.abs(joints - self._joints)).sum(axis=1)
+        candidates = np.flatnonzero(least < within).tolist()
+        if not candidates:
             return []
+        self._joints[candidates] = joints
         pin.updateGeometryPlacements(self._model, data, self._geometry, self._placed)
         known: dict[tuple[int, int], Near] = {}
-        for k in candidates.tolist():
+        for k in candidates:
             found = pin.computeDistance(self._geometry, self._placed, k)
-            if found.min_distance < within:
+            self._measured[k] = found.min_distance
+            if found.min_distance < within[k]:
                 near, limbs = self._near(data, k, found), self._limbs[k]
                 if not near.slope.any():
                     continue
                 if limbs not in known or near.turn < known[limbs].turn:
                     known[limbs] = near
         return sorted(known.values(), key=lambda near: near.turn)
+
+    def fastest(self, v: Array) -> Array:
+        """(K,) m/s: how fast joints move the links of each pair against each other, at most."""
+        speed: Array = self._reach @ np.abs(v[6:])
+        return speed
 
     def soonest(self, postures: Array, count: int, within: float) -> tuple[Array, Array]:
         """The first `count` of those `within` (m) of each other in postures q (T, nq).
@@ -110,18 +117,18 @@ class NearLinks:
             (T, count) m, infinite where no more are near; (T, count, J) m per rad or m: derivatives
             of these by the joints.
         """
-        data = self._model.createData()
+        data, limit = self._model.createData(), np.full(len(self._pairs), within)
         least = np.full((len(postures), count), np.inf)
         slopes = np.zeros((*least.shape, self._model.nv - 6))
         for t, q in enumerate(postures):
             pin.computeJointJacobians(self._model, data, q)
-            for i, near in enumerate(self.at(data, within)[:count]):
+            for i, near in enumerate(self.at(data, q, limit)[:count]):
                 least[t, i], slopes[t, i] = near.distance, near.slope
         return least, slopes
 
     def _near(self, data: pin.Data, pair: int, found: coal.DistanceResult) -> Near:
-        shapes = self._shapes.shapes
-        joints = shapes[self._one[pair]].joint, shapes[self._other[pair]].joint
+        shapes, (one, other) = self._shapes.shapes, self._pairs[pair]
+        joints = (shapes[one].joint, shapes[other].joint)
         points = np.array([found.getNearestPoint1(), found.getNearestPoint2()])
         normal = np.array(found.normal)
         # How fast a point of a body moves along the normal is the power of a unit force there.
@@ -132,6 +139,25 @@ class NearLinks:
             for joint, point in zip(joints, points, strict=True)
         ]
         return Near(found.min_distance, (along[1] - along[0])[6:], joints, points, normal)
+
+
+def _reach(shapes: LinkShapes) -> Array:
+    """(S, J) m per rad or m: by how much each joint moves any point of a shape at most."""
+    model = shapes.robot.model
+    slides = {model.getJointId(name) for name in shapes.robot.sliding_joints}
+    travel = np.maximum(np.abs(model.lowerPositionLimit), np.abs(model.upperPositionLimit))
+    centres, radii = shapes.spheres
+    reach = np.zeros((len(radii), model.nv - 6))
+    for place, shape in enumerate(shapes.shapes):
+        far = float(np.linalg.norm(centres[place])) + float(radii[place])  # from the joint's origin
+        joint = shape.joint
+        while joint > 1:
+            index = model.joints[joint].idx_v - 6
+            reach[place, index] = 1.0 if joint in slides else far
+            far += float(np.linalg.norm(model.jointPlacements[joint].translation))
+            far += float(travel[index + 7]) if joint in slides else 0.0
+            joint = model.parents[joint]
+    return reach
 
 
 def _acceleration(data: pin.Data, joint: int, point: Array) -> Array:

@@ -16,7 +16,9 @@ from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-LOWER_FEET = 0.003  # m by which a foot in the air may be lower than planned: more meets the ground early
+LOWER_FEET = (
+    0.003  # m by which a foot in the air may be lower than planned: more meets the ground early
+)
 # m that links keep in the air, 8 mm of it for what is between the instants that are looked at.
 APART = 0.013
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height

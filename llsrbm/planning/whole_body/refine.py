@@ -37,8 +37,8 @@ _log = logging.getLogger(__name__)
 # The guess is near: it begins where its bounds are, and where the cost is flat it is as good as
 # solved. From a complementarity of 1e-3 one in 25 is not solved, and more iterations are needed.
 OPTIONS = SolveOptions(mu=1e-4, iterations=7, push=0.01, acceptable=(5e-3, 4))
-# After seven iterations most plans have rows that hold, and a cost within some per cent of the least,
-# which some more would find; the others go on.
+# After seven iterations most plans have rows that hold, and a cost within some per cent of the
+# least, which some more would find; the others go on.
 SOLVES = (OPTIONS, replace(OPTIONS, iterations=30), replace(OPTIONS, iterations=60))
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 3  # of solves, each with the distances between links about the motion of the one before
