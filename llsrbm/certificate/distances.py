@@ -27,7 +27,6 @@ Array = NDArray[np.float64]
 
 APART = 0.005  # m between links
 TOUCHING = -0.005  # m: feet and legs are as far off between a plan's knots
-_DEEP, _WIDE = 1.0, 100.0  # m, of the box that stands for the ground
 
 
 class SelfDistance(Check):
@@ -82,7 +81,7 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[Array, list[s
     """(K,) m, the least distance at each instant, and what is that near to what."""
     shapes = link_shapes(motion.robot)
     legs = [_leg_of(motion.robot, shape) for shape in shapes]
-    bodies = [_ground(around.ground), *around.blocks]
+    bodies = around.solids
     geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(_turn(block.yaw), block.centre) for block in bodies]
@@ -118,11 +117,6 @@ def _leg_of(robot: Robot, shape: Shape) -> int | None:
     """The leg on whose foot a shape is; None: it is on no foot."""
     joints = [robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs]
     return joints.index(shape.joint) if shape.foot else None
-
-
-def _ground(height: float) -> Block:
-    centre = np.array([0.0, 0.0, height - _DEEP / 2])
-    return Block("ground", centre, np.array([_WIDE, _WIDE, _DEEP]), 0.0)
 
 
 def _turn(yaw: float) -> Array:

@@ -61,7 +61,7 @@ class NearLinks:
     """
 
     def __init__(self, shapes: LinkShapes) -> None:
-        self._model, self._shapes = shapes.robot.model, shapes
+        self._model, self.shapes = shapes.robot.model, shapes
         self._geometry = shapes.geometry
         self._placed = self._geometry.createData()
         pairs = np.reshape(np.array(shapes.shape_pairs, dtype=np.int64), (-1, 2))
@@ -105,40 +105,60 @@ class NearLinks:
                     known[limbs] = near
         return sorted(known.values(), key=lambda near: near.turn)
 
+    def within(self, distance: float) -> Array:
+        """(K,) m, one distance for all pairs."""
+        return np.full(len(self._pairs), distance)
+
     def fastest(self, v: Array) -> Array:
         """(K,) m/s: how fast joints move the links of each pair against each other, at most."""
         speed: Array = self._reach @ np.abs(v[6:])
         return speed
 
-    def soonest(self, postures: Array, count: int, within: float) -> tuple[Array, Array]:
-        """The first `count` of those `within` (m) of each other in postures q (T, nq).
-
-        Returns:
-            (T, count) m, infinite where no more are near; (T, count, J) m per rad or m: derivatives
-            of these by the joints.
-        """
-        data, limit = self._model.createData(), np.full(len(self._pairs), within)
-        least = np.full((len(postures), count), np.inf)
-        slopes = np.zeros((*least.shape, self._model.nv - 6))
-        for t, q in enumerate(postures):
-            pin.computeJointJacobians(self._model, data, q)
-            for i, near in enumerate(self.at(data, q, limit)[:count]):
-                least[t, i], slopes[t, i] = near.distance, near.slope
-        return least, slopes
-
     def _near(self, data: pin.Data, pair: int, found: coal.DistanceResult) -> Near:
-        shapes, (one, other) = self._shapes.shapes, self._pairs[pair]
+        shapes, (one, other) = self.shapes.shapes, self._pairs[pair]
         joints = (shapes[one].joint, shapes[other].joint)
         points = np.array([found.getNearestPoint1(), found.getNearestPoint2()])
-        normal = np.array(found.normal)
-        # How fast a point of a body moves along the normal is the power of a unit force there.
         along = [
-            np.concatenate([normal, pin.skew(point).dot(normal)]).dot(
-                pin.getJointJacobian(self._model, data, joint, pin.ReferenceFrame.WORLD)
-            )
+            _along(self._model, data, joint, point, found)
             for joint, point in zip(joints, points, strict=True)
         ]
+        normal = np.array(found.normal)
         return Near(found.min_distance, (along[1] - along[0])[6:], joints, points, normal)
+
+
+def nearest_to_box(
+    shapes: LinkShapes, data: pin.Data, box: coal.Box, placement: coal.Transform3s
+) -> tuple[float, Array]:
+    """Of links that are no feet the nearest to a box in the world.
+
+    `data`: with the bodies placed, and the joints' Jacobians.
+
+    Returns:
+        its distance, m, negative inside; (nv,) its derivatives by Pinocchio's velocities.
+    """
+    request, best, least = coal.DistanceRequest(), coal.DistanceResult(), np.inf
+    joint = 0
+    for k, shape in enumerate(shapes.shapes):
+        if shape.foot:
+            continue
+        body = data.oMi[shape.joint]
+        here = coal.Transform3s(body.rotation @ shape.rotation, body.act(shape.centre))
+        found = coal.DistanceResult()
+        geometry = shapes.geometry.geometryObjects[k].geometry
+        distance = coal.distance(geometry, here, box, placement, request, found)
+        if distance < least:
+            least, best, joint = distance, found, shape.joint
+    return float(least), -_along(shapes.robot.model, data, joint, best.getNearestPoint1(), best)
+
+
+def _along(
+    model: pin.Model, data: pin.Data, joint: int, point: Array, found: coal.DistanceResult
+) -> Array:
+    """(nv,) how fast a point of a body moves along the normal: the power of a unit force there."""
+    normal = np.array(found.normal)
+    wrench = np.concatenate([normal, pin.skew(np.array(point)).dot(normal)])
+    power: Array = wrench.dot(pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.WORLD))
+    return power
 
 
 def _reach(shapes: LinkShapes) -> Array:

@@ -42,6 +42,7 @@ EDGES = (0.5, 0.8)
 TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
+_DEEP, _WIDE = 1.0, 100.0  # m, of the block that stands for the ground
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
 
 
@@ -64,6 +65,12 @@ class Surroundings:
 
     ground: float
     blocks: tuple[Block, ...]
+
+    @property
+    def solids(self) -> tuple[Block, ...]:
+        """The ground, as a block, and the blocks."""
+        centre = np.array([0.0, 0.0, self.ground - _DEEP / 2])
+        return (Block("ground", centre, np.array([_WIDE, _WIDE, _DEEP]), 0.0), *self.blocks)
 
     @property
     def in_mid_flight(self) -> str:

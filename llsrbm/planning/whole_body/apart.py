@@ -1,30 +1,41 @@
-"""Distances between links in the air, as straight functions of the joints about a motion."""
+"""Distances between links and from them to the ground and boxes, straight about a motion.
+
+They are functions of the base's place, its small turn from the plan's attitude, and the joints.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
+import coal
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.planning.whole_body.grid import Grid, Sizes
-from llsrbm.robots.near_links import NearLinks
+from llsrbm.mechanics import turns_about_z
+from llsrbm.planning.whole_body.grid import Sizes
+from llsrbm.robots.near_links import NearLinks, nearest_to_box
 from llsrbm.robots.robot import Robot
+from llsrbm.simulation.surroundings import Block
 
 Array = NDArray[np.float64]
 
-NEAR = 0.15  # m: links farther apart do not meet as the second stage moves them
-LEAST = 0.005  # m that links may be apart
+NEAR = 0.15  # m: bodies farther apart do not meet as the second stage moves them
+LEAST = 0.005  # m that links may be apart; from boxes nothing
+BETWEEN = 0.008  # m more, for what is between the instants that are looked at
 
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """At the knots of N intervals and in the middles between them, of n pairs of links.
+    """At the knots of N intervals and in the middles between them, of n pairs.
 
     Attributes:
-        least: (2 N + 1,) m of the nearest pair, infinite where nothing is near or no foot flies.
-        at_zero: (2 N + 1, n) m that a pair would be apart with all joints at zero.
-        slope: (2 N + 1, n, J) m per rad or m.
+        least: (2 N + 1,) m of the nearest pair, beyond what it may be; infinite where nothing is
+            near.
+        at_zero: (2 N + 1, n) m that a pair would be apart, beyond what it should be, where the
+            state is zero.
+        slope: (2 N + 1, n, 6 + J) m per m, rad or m.
     """
 
     least: Array
@@ -32,21 +43,62 @@ class Apart:
     slope: Array
 
     @classmethod
-    def near(cls, joints: Array, robot: Robot, grid: Grid) -> Apart:
-        """About postures (2 N + 1, J)."""
+    def near(
+        cls,
+        q: Array,
+        time: Array,
+        planned: Array,
+        robot: Robot,
+        solids: tuple[Block, ...],
+    ) -> Apart:
+        """About postures q (2 N + 1, nq) at times (2 N + 1,) s; `planned`: attitudes (N + 1, 4)."""
         sizes = Sizes.of(robot)
-        flies = np.zeros(len(joints), dtype=bool)
-        flies[::2] = [len(knot.resting) < sizes.legs for knot in grid.knots]
-        flies[1::2] = [len(knot.standing) < sizes.legs for knot in grid.knots[:-1]]
-        base = np.tile(robot.posture[:7], (int(flies.sum()), 1))  # distances do not depend on it
-        q = np.hstack([base, joints[flies]])
-        distance = np.full((len(joints), sizes.near), np.inf)
-        slope = np.zeros((*distance.shape, sizes.joints))
-        distance[flies], slope[flies] = NearLinks.of(robot).soonest(q, sizes.near, NEAR)
-        at_zero = distance - np.einsum("knj,kj->kn", slope, joints)
-        return cls(distance.min(axis=1), at_zero, slope)
+        least = np.full(len(q), np.inf)
+        at_zero = np.full((len(q), sizes.near), np.inf)
+        slope = np.zeros((*at_zero.shape, sizes.posture))
+        links = NearLinks.of(robot)
+        data = robot.model.createData()
+        for t in range(1, len(q)):  # the first knot is given
+            pin.computeJointJacobians(robot.model, data, q[t])
+            here = [block for block in solids if block.from_s <= time[t] < block.until_s]
+            found = sorted(_found(links, data, q[t], here), key=_soon)
+            turned = _turned(planned[t // 2], q[t, 3:7])
+            state = np.concatenate([q[t, :3], turned, q[t, 7:]])
+            for i, (room, slopes) in enumerate(found[: sizes.near]):
+                least[t] = min(least[t], room)
+                at_zero[t, i] = room - BETWEEN - slopes @ state
+                slope[t, i] = slopes
+        return cls(least, at_zero, slope)
 
     @property
     def holds(self) -> bool:
-        """True if no links are nearer than they may be."""
-        return bool((self.least >= LEAST).all())
+        """True if nothing is nearer than it may be."""
+        return bool((self.least >= 0).all())
+
+
+def _found(
+    links: NearLinks, data: pin.Data, q: Array, solids: list[Block]
+) -> Iterator[tuple[float, Array]]:
+    """Of all that is near: how far, m, beyond what it may be, and (6 + J,) its derivatives."""
+    for near in links.at(data, q, links.within(NEAR)):
+        yield near.distance - LEAST, np.concatenate([np.zeros(6), near.slope])
+    R_world_base = data.oMi[1].rotation
+    for block in solids:
+        box = coal.Box(*block.size)
+        place = coal.Transform3s(turns_about_z(np.array(block.yaw)), block.centre)
+        distance, slope = nearest_to_box(links.shapes, data, box, place)
+        if distance < NEAR:
+            yield distance, np.concatenate([R_world_base @ slope[:3], slope[3:]])
+
+
+def _soon(found: tuple[float, Array]) -> float:
+    """By which all joints together would bring the two together, rad or m."""
+    room, slope = found
+    return room / max(float(np.linalg.norm(slope[6:])), 1e-6)
+
+
+def _turned(planned: Array, quat: Array) -> Array:
+    """(3,) rad, about, from an attitude w, x, y, z to one x, y, z, w, as the stage has it."""
+    w, v = planned[0], planned[1:]
+    turned: Array = 2 * (w * quat[:3] - quat[3] * v - np.cross(v, quat[:3]))
+    return turned * np.sign(w * quat[3] + v @ quat[:3])  # both signs are the same attitude

@@ -187,14 +187,19 @@ class Sizes:
             "place": 3 * self.legs,
             "heading": 2 * self.legs,
             "limits": 3,
-            "apart": self.near * self.joints,
-            "apart_in_middle": self.near * self.joints,
+            "apart": self.near * self.posture,
+            "apart_in_middle": self.near * self.posture,
         }
 
     @property
     def near(self) -> int:
-        """Pairs of links that are kept apart in the air, those that would meet soonest."""
+        """Pairs of links, or of a link and a box, that are kept apart: the soonest."""
         return self.legs
+
+    @property
+    def posture(self) -> int:
+        """Of the base's place, its turn and the joints."""
+        return 6 + self.joints
 
     @property
     def foot(self) -> int:
@@ -212,7 +217,7 @@ class Sizes:
             "rest": self.foot * len(knot.resting),
             "landing": self.foot * len(knot.landing),
             "clearance": swinging * (1 if self.corners == 1 else 1 + self.corners),
-            "apart": self.near if swinging else 0,
+            "apart": self.near,
             "goal": 12 if knot.last else 0,
         }
         return {name: size for name, size in rows.items() if size}
@@ -227,11 +232,10 @@ class Sizes:
         dynamics = [("dynamics", share, 6) for share in NODES]
         at_ends = {"torque": self.joints, "drive": self.joints, "friction": 4 * contacts}
         lines = [(name, end, size) for end in (0.0, 1.0) for name, size in at_ends.items() if size]
-        flies = len(knot.standing) < self.legs
         middle = {
             "stop": self.joints,
             "rest": self.foot * len(knot.standing),
-            "apart": self.near if flies else 0,
+            "apart": self.near,
         }
         in_middle = [(name, 0.5, size) for name, size in middle.items() if size]
         return [*dynamics, *in_middle, *lines]

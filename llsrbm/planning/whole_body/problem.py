@@ -19,8 +19,6 @@ Array = NDArray[np.float64]
 LOWER_FEET = (
     0.003  # m by which a foot in the air may be lower than planned: more meets the ground early
 )
-# m that links keep in the air, 8 mm of it for what is between the instants that are looked at.
-APART = 0.013
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
 
 
@@ -92,7 +90,7 @@ def _bounds(
     if name == "clearance":
         return np.concatenate(_lowest(robot, knot, start, half // 2)), np.full(size, np.inf)
     if name == "apart":
-        return APART - start.apart.at_zero[half], np.full(size, np.inf)
+        return -start.apart.at_zero[half], np.full(size, np.inf)
     if name == "friction":
         return np.zeros(size), np.full(size, np.inf)
     most = {"speed": speed_share, "torque": torque_share, "drive": 1.0}[name]

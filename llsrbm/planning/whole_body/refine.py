@@ -76,7 +76,7 @@ class Refiner:
         start = start_of(plan, self.robot, self.grid)
         guess = variables(start, self.grid, self.sizes, self._unit)
         iterations, seconds = 0, 0.0
-        for _ in range(ROUNDS):
+        for left in reversed(range(ROUNDS)):
             problem = make_problem(self.robot, self.grid, start)
             for options in SOLVES:
                 solve = partial(self.solver.solve, problem, guess, options, watch.read)
@@ -90,7 +90,9 @@ class Refiner:
                     break
                 guess = solution.variables
             motion = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
-            apart = Apart.near(motion.at(start.time).q[:, 7:], self.robot, self.grid)
+            q, quat = motion.at(start.time).q, start.state["quat"]
+            apart = Apart.near(q, start.time, quat, self.robot, start.solids)
+            solved = solved and (apart.holds or left > 0)
             if not solved or apart.holds:
                 break
             start, guess = replace(start, apart=apart), solution.variables

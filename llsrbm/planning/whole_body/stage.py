@@ -116,8 +116,11 @@ class _Stage:
     @property
     def _turned(self) -> Any:
         """(3,) rad, about, from the plan's attitude."""
+        return self._turned_to(self.x["quat"])
+
+    def _turned_to(self, quat: Any) -> Any:
         q = self.near["quat"]
-        return 2 * quat_product(ca.vertcat(q[0], -q[1:]), self.x["quat"])[1:]
+        return 2 * quat_product(ca.vertcat(q[0], -q[1:]), quat)[1:]
 
     def _knot_cost(self) -> Any:
         off = {name: self.x[name] - self.near[name] for name in self.x if name != "quat"}
@@ -143,14 +146,15 @@ class _Stage:
             "rest": [row for leg in knot.resting for row in feet[leg].rest],
             "landing": landing,
             "clearance": clearance,
-            "apart": [self._apart("apart", x["joint_position"])],
+            "apart": [self._apart("apart", x["position"], self._turned, x["joint_position"])],
             "goal": goal,
         }
         return [(name, ca.vertcat(*found[name])) for name in sizes.rows(knot)]
 
-    def _apart(self, name: str, joints: Any) -> Any:
-        """Distances of links but for constants, which are in the bounds."""
-        return ca.reshape(self.near[name], self.sizes.joints, self.sizes.near).T @ joints
+    def _apart(self, name: str, position: Any, turned: Any, joints: Any) -> Any:
+        """Distances but for constants, which are in the bounds."""
+        slopes = ca.reshape(self.near[name], self.sizes.posture, self.sizes.near)
+        return slopes.T @ ca.vertcat(position, turned, joints)
 
     @property
     def _corners(self) -> Any:
@@ -185,6 +189,11 @@ class _Stage:
         x = {name: self.mark(values) for name, values in x.items()}
         feet = self._feet(self.mark(rotation_matrix(self._attitude(share))), x)
         return [row for leg in self.knot.standing for row in feet[leg].rest]
+
+    def _apart_within(self, share: float) -> Any:
+        position = self._moved("position", "velocity", "acceleration", share)
+        turned = self._turned_to(self._attitude(share))
+        return self._apart("apart_in_middle", position, turned, self._moved(*_JOINTS, share))
 
     def _tilt(self, leg: int, sole: Any) -> Any:
         """(3,) rad, about: by how much a sole (3, 3) is not level, and does not look ahead."""
@@ -239,7 +248,7 @@ class _Stage:
             elif name == "stop":
                 found.append((name, self._moved(*_JOINTS, share)))
             elif name == "apart":
-                found.append((name, self._apart("apart_in_middle", self._moved(*_JOINTS, share))))
+                found.append((name, self._apart_within(share)))
             elif name == "rest":
                 found.append((name, ca.vertcat(*self._rest_within(share))))
             elif name == "torque":

@@ -14,7 +14,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import LIMITS, NODES, SAME_INSTANT, Grid, Sizes
+from llsrbm.request.scenario import Scenario
 from llsrbm.robots.robot import Robot
+from llsrbm.simulation.surroundings import Block, surroundings
 
 Array = NDArray[np.float64]
 
@@ -29,7 +31,7 @@ class Start:
         force: (N, nodes, 3 C) N, of all contact points.
         place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet.
         limits: of the request: shares of torque and speed, friction.
-        apart: distances of links.
+        solids: the ground and blocks; apart: distances of links from each other and from them.
     """
 
     time: Array
@@ -39,6 +41,7 @@ class Start:
     place: Array
     foot_quat: Array
     limits: Array
+    solids: tuple[Block, ...]
     apart: Apart
 
     @property
@@ -95,7 +98,8 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     # Feet's places count where they stand, in flight only their height does.
     place = _linear(time, known, plan.foot_position.reshape(len(known), -1))
     last_knot = np.searchsorted(known, time + SAME_INSTANT, side="right") - 1
-    count = grid.intervals
+    count, solids = grid.intervals, surroundings(robot, plan, Scenario()).solids
+    q = np.hstack([state["position"], np.roll(state["quat"], -1, axis=1), state["joint_position"]])
     return Start(
         time=time,
         state={name: values[::2] for name, values in state.items()},
@@ -107,7 +111,8 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
         place=place.reshape(len(time), -1, 3),
         foot_quat=plan.foot_quat[last_knot],
         limits=np.array([getattr(limits, name) for name in LIMITS]),
-        apart=Apart.near(state["joint_position"], robot, grid),
+        solids=solids,
+        apart=Apart.near(q, time, state["quat"][::2], robot, solids),
     )
 
 

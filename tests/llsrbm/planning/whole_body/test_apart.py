@@ -1,0 +1,44 @@
+"""Distances as straight functions, against distances of a motion beside."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import llsrbm
+from llsrbm.planning.whole_body.apart import BETWEEN, Apart
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.start import start_of
+from llsrbm.robots import load_robot
+
+
+@pytest.fixture(scope="module")
+def start():
+    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25))
+    return start_of(plan, load_robot("go2"), Grid.of(plan))
+
+
+def test_they_tell_how_near_things_are_beside_the_motion(start):
+    robot, rng = load_robot("go2"), np.random.default_rng(0)
+    planned = start.state["quat"]
+    about = np.repeat(planned, 2, axis=0)[: len(start.time)]
+    # All at the attitudes of the knots, the joints as they are there and in between.
+    joints = np.repeat(start.state["joint_position"], 2, axis=0)[: len(start.time)]
+    place = np.repeat(start.state["position"], 2, axis=0)[: len(start.time)]
+    q = np.hstack([place, np.roll(about, -1, axis=1), joints])
+    step = 1e-4 * rng.normal(size=robot.model.nv)
+    moved = np.array([pin.integrate(robot.model, each, step) for each in q])
+    here, there = (
+        Apart.near(each, start.time, planned, robot, start.solids) for each in (q, moved)
+    )
+    shift = moved[:, :3] - q[:, :3]
+    state = np.hstack([place + shift, np.tile(step[3:6], (len(q), 1)), moved[:, 7:]])
+    expected = (here.at_zero + np.einsum("tni,ti->tn", here.slope, state)).min(axis=1) + BETWEEN
+    known = np.isfinite(there.least) & np.isfinite(expected)
+    assert known.sum() > 20
+    np.testing.assert_allclose(expected[known], there.least[known], atol=1e-5)
+
+
+def test_the_box_that_is_jumped_onto_is_among_them(start):
+    assert "box" in [solid.name for solid in start.solids]
+    of_base = np.abs(start.apart.slope[:, :, :3]).max(axis=(1, 2))
+    assert (of_base > 0.5).any()
