@@ -90,11 +90,20 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The numbers of one request; the expressions are those of a `Transcription`."""
+    """The numbers of one request; the expressions are those of a `Transcription`.
+
+    Raises `ValueError` where a row has no bound at all: where the set of such rows changes, CasADi
+    makes Fatrop anew without its options, and that solver keeps none from then on.
+    """
 
     parameters: Array  # (n,), shared by all stages
     lower: Array  # (rows,) bounds of g: of each stage its gap to the next, zeros, and its rows
     upper: Array  # (rows,) bounds of g: of each stage its gap to the next, zeros, and its rows
+
+    def __post_init__(self) -> None:
+        free = np.flatnonzero(np.isneginf(self.lower) & np.isposinf(self.upper))
+        if len(free):
+            raise ValueError(f"rows need a bound, a far one if no other: {free.tolist()} have none")
 
 
 @dataclass(frozen=True, eq=False)

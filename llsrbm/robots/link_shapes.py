@@ -90,20 +90,43 @@ class LinkShapes:
 
     def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
-        model, geometry = self.robot.model, self.geometry
-        data, placed = model.createData(), geometry.createData()
-        request, result = coal.DistanceRequest(), coal.DistanceResult()
-        there = coal.Transform3s(placement.rotation, placement.translation)
-        links = [k for k, shape in enumerate(self.shapes) if not shape.foot]
-        least = np.full(len(postures), np.inf)
+        model, data = self.robot.model, self.robot.model.createData()
+        least = np.empty(len(postures))
         for t, q in enumerate(postures):
-            pin.updateGeometryPlacements(model, data, geometry, placed, q)
-            for k in links:
-                here = coal.Transform3s(placed.oMg[k].rotation, placed.oMg[k].translation)
-                result.clear()
-                link = geometry.geometryObjects[k].geometry
-                least[t] = min(least[t], coal.distance(link, here, shape, there, request, result))
+            pin.forwardKinematics(model, data, q)
+            least[t] = self.nearest_to(shape, placement, data)[0].min_distance
         return least
+
+    def nearest_to(
+        self, shape: coal.ShapeBase, placement: pin.SE3, data: pin.Data, within: float = np.inf
+    ) -> tuple[coal.DistanceResult, int]:
+        """Of links that are no feet the nearest to a shape in the world, its joint's index second.
+
+        `data`: with the bodies placed. Those that cannot be `within` (m) are not measured; without
+        any the result's distance is the largest number there is.
+        """
+        shape.computeLocalAABB()
+        low, high = shape.aabb_local.min_, shape.aabb_local.max_
+        request, there = coal.DistanceRequest(), _transform(placement)
+        centres, radii = self.spheres
+        nearest, joint = coal.DistanceResult(), 0
+        for k, (own, placed) in enumerate(zip(self.shapes, self._placed_in_joints, strict=True)):
+            if own.foot:
+                continue
+            body = data.oMi[own.joint]
+            at = placement.actInv(body.act(centres[k]))  # of a sphere around it
+            apart = float(np.linalg.norm(at - np.clip(at, low, high)))
+            if apart - radii[k] > min(within, nearest.min_distance):
+                continue
+            found, link = coal.DistanceResult(), self.geometry.geometryObjects[k].geometry
+            coal.distance(link, _transform(body * placed), shape, there, request, found)
+            if found.min_distance < nearest.min_distance:
+                nearest, joint = found, own.joint
+        return nearest, joint
+
+    @cached_property
+    def _placed_in_joints(self) -> list[pin.SE3]:
+        return [placed.placement for placed in self.geometry.geometryObjects]
 
     @cached_property
     def geometry(self) -> pin.GeometryModel:
@@ -201,6 +224,10 @@ def _of(robot: Robot) -> LinkShapes:
     found = {frozenset(pair): pair for pair in (*_that_can_meet(robot, shapes), *stated.add)}
     kept = [pair for both, pair in found.items() if both not in excluded]
     return LinkShapes(robot, shapes, tuple(kept))
+
+
+def _transform(placement: pin.SE3) -> coal.Transform3s:
+    return coal.Transform3s(placement.rotation, placement.translation)
 
 
 def _that_can_meet(robot: Robot, shapes: tuple[Shape, ...]) -> list[Pair]:

@@ -126,29 +126,22 @@ class NearLinks:
         return Near(found.min_distance, (along[1] - along[0])[6:], joints, points, normal)
 
 
-def nearest_to_box(
-    shapes: LinkShapes, data: pin.Data, box: coal.Box, placement: coal.Transform3s
+def away_from(
+    shapes: LinkShapes, data: pin.Data, shape: coal.ShapeBase, placement: pin.SE3, within: float
 ) -> tuple[float, Array]:
-    """Of links that are no feet the nearest to a box in the world.
+    """Of links that are no feet the nearest to a shape in the world.
 
     `data`: with the bodies placed, and the joints' Jacobians.
 
     Returns:
-        its distance, m, negative inside; (nv,) its derivatives by Pinocchio's velocities.
+        its distance, m, negative inside, infinite if none is `within` (m); (nv,) its derivatives by
+        Pinocchio's velocities.
     """
-    request, best, least = coal.DistanceRequest(), coal.DistanceResult(), np.inf
-    joint = 0
-    for k, shape in enumerate(shapes.shapes):
-        if shape.foot:
-            continue
-        body = data.oMi[shape.joint]
-        here = coal.Transform3s(body.rotation @ shape.rotation, body.act(shape.centre))
-        found = coal.DistanceResult()
-        geometry = shapes.geometry.geometryObjects[k].geometry
-        distance = coal.distance(geometry, here, box, placement, request, found)
-        if distance < least:
-            least, best, joint = distance, found, shape.joint
-    return float(least), -_along(shapes.robot.model, data, joint, best.getNearestPoint1(), best)
+    found, joint = shapes.nearest_to(shape, placement, data, within)
+    if found.min_distance >= within:
+        return np.inf, np.zeros(shapes.robot.model.nv)
+    slope = -_along(shapes.robot.model, data, joint, found.getNearestPoint1(), found)
+    return float(found.min_distance), slope
 
 
 def _along(

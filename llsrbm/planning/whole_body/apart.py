@@ -15,13 +15,16 @@ from numpy.typing import NDArray
 
 from llsrbm.mechanics import turns_about_z
 from llsrbm.planning.whole_body.grid import Sizes
-from llsrbm.robots.near_links import NearLinks, nearest_to_box
+from llsrbm.robots.near_links import NearLinks, away_from
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.surroundings import Block
 
 Array = NDArray[np.float64]
 
-NEAR = 0.15  # m: bodies farther apart do not meet as the second stage moves them
+# m: what is farther apart is not measured, which takes time; what comes nearer all the same is seen
+# in the next round.
+NEAR = 0.03
+FAR = 1.0  # m, of rows that no pair needs: all rows have bounds (`llsrbm.ocp.horizon.Problem`)
 LEAST = 0.005  # m that links may be apart; from boxes nothing
 BETWEEN = 0.008  # m more, for what is between the instants that are looked at
 
@@ -50,11 +53,16 @@ class Apart:
         planned: Array,
         robot: Robot,
         solids: tuple[Block, ...],
+        before: Apart | None = None,
     ) -> Apart:
-        """About postures q (2 N + 1, nq) at times (2 N + 1,) s; `planned`: attitudes (N + 1, 4)."""
+        """About postures q (2 N + 1, nq) at times (2 N + 1,) s; `planned`: attitudes (N + 1, 4).
+
+        Rows that are free have what `before` says: about another posture the same pair may be kept
+        apart along another direction, and without the former one motions go from one to the other.
+        """
         sizes = Sizes.of(robot)
         least = np.full(len(q), np.inf)
-        at_zero = np.full((len(q), sizes.near), np.inf)
+        at_zero = np.full((len(q), sizes.near), FAR)
         slope = np.zeros((*at_zero.shape, sizes.posture))
         links = NearLinks.of(robot)
         data = robot.model.createData()
@@ -64,10 +72,14 @@ class Apart:
             found = sorted(_found(links, data, q[t], here), key=_soon)
             turned = _turned(planned[t // 2], q[t, 3:7])
             state = np.concatenate([q[t, :3], turned, q[t, 7:]])
-            for i, (room, slopes) in enumerate(found[: sizes.near]):
+            rows = min(len(found), sizes.near)
+            for i, (room, slopes) in enumerate(found[:rows]):
                 least[t] = min(least[t], room)
                 at_zero[t, i] = room - BETWEEN - slopes @ state
                 slope[t, i] = slopes
+            if before is not None:
+                at_zero[t, rows:] = before.at_zero[t, : sizes.near - rows]
+                slope[t, rows:] = before.slope[t, : sizes.near - rows]
         return cls(least, at_zero, slope)
 
     @property
@@ -84,9 +96,8 @@ def _found(
         yield near.distance - LEAST, np.concatenate([np.zeros(6), near.slope])
     R_world_base = data.oMi[1].rotation
     for block in solids:
-        box = coal.Box(*block.size)
-        place = coal.Transform3s(turns_about_z(np.array(block.yaw)), block.centre)
-        distance, slope = nearest_to_box(links.shapes, data, box, place)
+        place = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
+        distance, slope = away_from(links.shapes, data, coal.Box(*block.size), place, NEAR)
         if distance < NEAR:
             yield distance, np.concatenate([R_world_base @ slope[:3], slope[3:]])
 

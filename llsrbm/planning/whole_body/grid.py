@@ -234,6 +234,8 @@ class Sizes:
         lines = [(name, end, size) for end in (0.0, 1.0) for name, size in at_ends.items() if size]
         middle = {
             "stop": self.joints,
+            "speed": self.joints,
+            "drive": self.joints,
             "rest": self.foot * len(knot.standing),
             "apart": self.near,
         }

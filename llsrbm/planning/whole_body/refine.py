@@ -41,7 +41,7 @@ OPTIONS = SolveOptions(mu=1e-4, iterations=7, push=0.01, acceptable=(5e-3, 4))
 # least, which some more would find; the others go on.
 SOLVES = (OPTIONS, replace(OPTIONS, iterations=30), replace(OPTIONS, iterations=60))
 TOLERANCE = 1e-3  # of rows, in their units of about 1
-ROUNDS = 3  # of solves, each with the distances between links about the motion of the one before
+ROUNDS = 6  # of solves, each with the distances between links about the motion of the one before
 SOLVED, FAILED = "solved", "not-converged"
 _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m"}
 
@@ -76,7 +76,7 @@ class Refiner:
         start = start_of(plan, self.robot, self.grid)
         guess = variables(start, self.grid, self.sizes, self._unit)
         iterations, seconds = 0, 0.0
-        for left in reversed(range(ROUNDS)):
+        for _ in range(ROUNDS):
             problem = make_problem(self.robot, self.grid, start)
             for options in SOLVES:
                 solve = partial(self.solver.solve, problem, guess, options, watch.read)
@@ -91,11 +91,12 @@ class Refiner:
                 guess = solution.variables
             motion = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
             q, quat = motion.at(start.time).q, start.state["quat"]
-            apart = Apart.near(q, start.time, quat, self.robot, start.solids)
-            solved = solved and (apart.holds or left > 0)
+            apart = Apart.near(q, start.time, quat, self.robot, start.solids, start.apart)
             if not solved or apart.holds:
                 break
             start, guess = replace(start, apart=apart), solution.variables
+        else:
+            solved = False  # links meet still
         result = plan
         if solved:
             self.last = motion

@@ -222,6 +222,10 @@ class _Stage:
         turn += (self.step * share) ** 3 / 12 * cross(self.x["omega"], mean)
         return quat_product(self.x["quat"], quat_exp(turn))
 
+    def _speed(self, share: float) -> Any:
+        """Of the joints, as shares of their drives'."""
+        return self._sped(*_JOINTS[1:], share) / ca.DM(self.robot.speed_limit)
+
     def _next_state(self) -> Any:
         state = {
             "position": self._moved("position", "velocity", "acceleration", 1.0),
@@ -253,8 +257,10 @@ class _Stage:
                 found.append((name, ca.vertcat(*self._rest_within(share))))
             elif name == "torque":
                 found.append((name, load))
+            elif name == "speed":
+                found.append((name, self._speed(share)))
             elif name == "drive":
-                speed = self._sped(*_JOINTS[1:], share) / ca.DM(self.robot.speed_limit)
+                speed = self._speed(share)
                 found.append((name, DRIVE_SLOPE * load / torque_share + speed / speed_share))
             else:
                 force = self._mixed("force", line(share)[0])

@@ -64,6 +64,15 @@ def test_bounds_are_kept_and_both_solvers_agree():
     assert best_pushes(1.0).max() > 1.1
 
 
+def test_every_row_has_a_bound():
+    """Without, a solver of Fatrop's loses its options, from the next solve on."""
+    task = problem(1.0)
+    lower = np.where(task.lower < task.upper, -np.inf, task.lower)
+    replace(task, lower=lower)
+    with pytest.raises(ValueError, match="rows need a bound, a far one if no other: "):
+        replace(task, lower=lower, upper=np.where(np.isinf(lower), np.inf, task.upper))
+
+
 @every_solver
 def test_to_follow_is_quicker_and_ends_at_the_same_place(name):
     near = solver(name).solve(problem(1.0, drag=0.5), GUESS)

@@ -7,7 +7,7 @@ import pytest
 
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
-from llsrbm.robots.near_links import NearLinks, nearest_to_box
+from llsrbm.robots.near_links import NearLinks, away_from
 
 
 def _of_shapes(shapes, postures):
@@ -58,8 +58,7 @@ def test_how_a_robot_moves_away_from_a_box_is_what_differences_say(name):
     for _ in range(5):
         q = pin.integrate(model, robot.posture, rng.normal(scale=0.1, size=model.nv))
         pin.computeJointJacobians(model, data, q)
-        place = coal.Transform3s(there.rotation, there.translation)
-        distance, slope = nearest_to_box(shapes, data, box, place)
+        distance, slope = away_from(shapes, data, box, there, 1.0)
         step = rng.normal(size=model.nv)
         beside = np.array([pin.integrate(model, q, sign * 1e-5 * step) for sign in (-1, 0, 1)])
         back, here, ahead = shapes.clearance(beside, box, there)

@@ -46,6 +46,15 @@ def test_it_converges_and_keeps_the_schedule():
     )
 
 
+def test_effort_does_not_depend_on_what_was_refined_before():
+    """A plan close to a box needs rows that others do not."""
+    first, second, _ = plans()
+    onto = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25))
+    refine.refined(onto)
+    again = refine.refined(first)
+    assert again.refinement.iterations == second.refinement.iterations
+
+
 def test_joints_stay_within_stops_and_drives():
     _, second, robot = plans()
     low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
