@@ -75,6 +75,7 @@ def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
     step = np.repeat(_STEP * dt, len(_SHARES))
     before, motion, after = (resample(plan, times + sign * step) for sign in (-1, 0, 1))
     foot_velocity = (after.foot_position - before.foot_position) / (2 * step[:, None, None])
+    arms = (each.joint_position[:, robot.arm_joint_index] for each in (after, before))
     speeds = joint_speeds(
         robot,
         motion.joint_position,
@@ -83,6 +84,7 @@ def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
         motion.com_velocity,
         foot_velocity,
         _turn(before.foot_quat, after.foot_quat) / (2 * step[:, None, None]),
+        arm_speed=np.subtract(*arms) / (2 * step[:, None]),
     )
     return margins(robot, times, motion.joint_position, speeds)
 

@@ -21,7 +21,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.body.knot_motion import KnotMotion, States, states
+from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.body.postures import joint_speeds
 from llsrbm.errors import Error
@@ -76,7 +76,9 @@ def _model_turn(plan: Plan) -> ModelTurn | None:
 
 def _rate_error(plan: Plan, robot: Robot) -> Array:
     """(N,) rad/s about the vertical, in the middle of each interval."""
-    _, at = states(robot, KnotMotion.of_plan(plan))
+    motion = KnotMotion.of_plan(plan)
+    _, at = states(robot, motion)
+    arms, _ = arm_rates(robot, motion, plan.joint_position)
     position = (plan.joint_position[1:] + plan.joint_position[:-1]) / 2
     still = np.zeros_like(at.com_velocity)
     soles = None if at.foot_omega is None else np.zeros_like(at.foot_omega)
@@ -85,11 +87,12 @@ def _rate_error(plan: Plan, robot: Robot) -> Array:
         at.com, still, at.base_quat, upright, at.foot, np.zeros_like(at.foot), at.foot_quat, soles
     )
     planned = (plan.angular_momentum[1:, 2] + plan.angular_momentum[:-1, 2]) / 2
-    error: Array = (planned - _momentum(robot, position, at)) / _momentum(robot, position, turning)
+    inertia = _momentum(robot, position, turning, np.zeros_like(arms))
+    error: Array = (planned - _momentum(robot, position, at, arms)) / inertia
     return error
 
 
-def _momentum(robot: Robot, position: Array, at: States) -> Array:
+def _momentum(robot: Robot, position: Array, at: States, arm_speed: Array) -> Array:
     """(N,) kg m2/s, of the whole body about the vertical, with joints (N, J) rad or m."""
     R_world_base = rotation_matrices(at.base_quat)
     speed = joint_speeds(
@@ -100,6 +103,7 @@ def _momentum(robot: Robot, position: Array, at: States) -> Array:
         at.com_velocity,
         at.foot_velocity,
         at.foot_omega,
+        arm_speed=arm_speed,
     )
     rate = apply(np.swapaxes(R_world_base, -1, -2), at.omega)
     momentum, _ = momentum_and_inertia(robot, position, speed, rate)

@@ -24,7 +24,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.body.knot_motion import KnotMotion, States, states
+from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
 from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
@@ -122,7 +122,9 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         angles = _postures(robot, knots).joint_position
     postures = _postures(robot, middles, near=(angles[1:] + angles[:-1]) / 2)
     position = postures.joint_position
-    knot_velocity, velocity = _speeds(robot, angles, knots), _speeds(robot, position, middles)
+    arms, arms_at_knots = arm_rates(robot, motion, angles)
+    knot_velocity = _speeds(robot, angles, knots, arms_at_knots)
+    velocity = _speeds(robot, position, middles, arms)
     acceleration = np.diff(knot_velocity, axis=0) / dt
 
     R_base_world = np.swapaxes(rotation_matrices(middles.base_quat), -1, -2)
@@ -168,7 +170,7 @@ def _postures(robot: Robot, at: States, near: Array | None = None) -> Postures:
     return solve_postures(robot, at.com, at.base_quat, at.foot, at.foot_quat, near=near)
 
 
-def _speeds(robot: Robot, joint_position: Array, at: States) -> Array:
+def _speeds(robot: Robot, joint_position: Array, at: States, arm_speed: Array) -> Array:
     return joint_speeds(
         robot,
         joint_position,
@@ -177,6 +179,7 @@ def _speeds(robot: Robot, joint_position: Array, at: States) -> Array:
         at.com_velocity,
         at.foot_velocity,
         at.foot_omega,
+        arm_speed=arm_speed,
     )
 
 
@@ -235,7 +238,7 @@ def _contact_effort(robot: Robot, position: Array, arm: Array, force: Array) -> 
     moment = cross(from_foot, on_foot).sum(axis=2)
     of_legs = apply(np.swapaxes(motion.foot_jacobian, -1, -2), on_foot.sum(axis=2))
     of_legs += apply(np.swapaxes(motion.foot_turning, -1, -2), moment)
-    effort = np.empty((count, _BASE + position.shape[1]))
+    effort = np.zeros((count, _BASE + position.shape[1]))
     effort[:, :3] = force.sum(axis=1)
     effort[:, 3:_BASE] = cross(arm, force).sum(axis=1)
     effort[:, _BASE + robot.leg_joint_index] = of_legs

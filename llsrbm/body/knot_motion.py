@@ -93,6 +93,19 @@ def states(robot: Robot, motion: KnotMotion) -> tuple[States, States]:
     )
 
 
+def arm_rates(robot: Robot, motion: KnotMotion, joints: Array) -> tuple[Array, Array]:
+    """Speeds of the arms' joints (N, A n) in the middles and (N+1, A n) at the knots, rad/s.
+
+    `joints`: (N+1, J) rad at the knots, between which arms move evenly.
+    """
+    dt = np.diff(motion.time)
+    rates = np.diff(joints[:, robot.arm_joint_index], axis=0) / dt[:, None]
+    at_knots = _means(rates, dt)
+    if np.linalg.norm(motion.com_velocity[0]) > _AT_REST:
+        at_knots[0] = rates[0]
+    return rates, at_knots
+
+
 def _in_the_middle(motion: KnotMotion, rate: Array, seen: Array, seen_rate: Array) -> States:
     dt, v, rests = np.diff(motion.time), motion.com_velocity, motion.standing[..., None]
     quat = slerp(motion.base_quat[:-1], motion.base_quat[1:], np.array(0.5))

@@ -14,6 +14,8 @@ with mu_i = m_i / m, C_i = Jc_i J_i^-1. So the CoM and the attitude are exact in
 what a leg cannot reach shows as a foot's residual.
 
 Of soles the attitude is given too: e_i and J_i have three more rows, to which do adds nothing.
+
+Joints of arms are given; where they move, they move the CoM against the base as legs do.
 """
 
 from __future__ import annotations
@@ -69,7 +71,8 @@ def solve_postures(
         com: (K, 3) m, world frame; base_quat: (K, 4) w, x, y, z of the root link.
         foot_position: (K, L, 3) m, world frame, lowest points of feet, middles of soles;
             foot_quat: (K, L, 4), of lines and soles.
-        q_start: (nq,) posture to start from, Pinocchio's convention; default: standing.
+        q_start: (nq,) posture to start from, Pinocchio's convention; default: standing. Its arms
+            are the postures'.
         near: (K, J) angles close to the postures, to start from instead: a third of the time.
 
     Returns the postures; where a foot is out of reach, the nearest found and its residual. Raises
@@ -79,17 +82,15 @@ def solve_postures(
     p = np.asarray(foot_position, dtype=float) + np.array([0.0, 0.0, robot.foot_lift])
     R_world_base = rotation_matrices(base_quat)
     start = robot.posture if q_start is None else np.asarray(q_start, dtype=float)
-    # (p - r) @ R is R^T (p - r), a row a foot.
-    goal = _Goal((p - r[:, None, :]) @ R_world_base, _soles_in_base(robot, R_world_base, foot_quat))
     angles = start[None, 7:] if near is None else np.asarray(near, dtype=float)
-    first = np.broadcast_to(
-        angles[:, robot.leg_joint_index], (len(r), *robot.leg_joint_index.shape)
-    )
-    q, residual = _newton(robot, goal, first)
+    joint_position = np.array(np.broadcast_to(angles, (len(r), len(robot.joint_names))))
+    # (p - r) @ R is R^T (p - r), a row a foot.
+    beta = (p - r[:, None, :]) @ R_world_base
+    goal = _Goal(beta, _soles_in_base(robot, R_world_base, foot_quat), joint_position.copy())
+    q, residual = _newton(robot, goal, joint_position[:, robot.leg_joint_index])
     _make_continuous(robot, goal, q, residual)
-    joint_position = np.empty((len(r), len(robot.joint_names)))
     joint_position[:, robot.leg_joint_index] = q
-    com_in_base = robot.chains.motion(q).com
+    com_in_base = robot.chains.motion(q, joints=joint_position).com
     return Postures(joint_position, r - apply(R_world_base, com_in_base), residual)
 
 
@@ -102,6 +103,7 @@ def joint_speeds(
     foot_velocity: ArrayLike,
     foot_angular_velocity: ArrayLike | None = None,
     motion: LegMotion | None = None,
+    arm_speed: Array | None = None,
 ) -> Array:
     """(K, J) joint speeds, rad/s or m/s, by Jacobians; very large next to a singularity.
 
@@ -111,10 +113,11 @@ def joint_speeds(
         com_velocity: (K, 3) m/s; foot_velocity: (K, L, 3) m/s.
         foot_angular_velocity: (K, L, 3) rad/s of lines and soles; without: `InputError`.
         motion: of the legs at these positions, where it is known.
+        arm_speed: (K, A n) rad/s, see `Robot.arm_joint_index`; None: at rest.
     """
     position = np.asarray(joint_position, dtype=float)
     R_world_base = rotation_matrices(base_quat)
-    motion = motion or robot.chains.motion(position[:, robot.leg_joint_index])
+    motion = motion or robot.chains.motion(position[:, robot.leg_joint_index], joints=position)
     beta = motion.foot - motion.com[:, None, :]
     omega = apply(np.swapaxes(R_world_base, -1, -2), np.asarray(angular_velocity, dtype=float))
     relative = np.asarray(foot_velocity, dtype=float) - np.asarray(com_velocity)[:, None, :]
@@ -126,9 +129,12 @@ def joint_speeds(
         turn = np.asarray(foot_angular_velocity, dtype=float) @ R_world_base - omega[:, None, :]
         rate = np.concatenate([rate, TURN_ARM * turn], axis=-1)
         jacobian = np.concatenate([jacobian, TURN_ARM * motion.foot_turning], axis=-2)
-    speeds = np.empty_like(position)
+    speeds = np.zeros_like(position)
+    if arm_speed is not None:
+        speeds[:, robot.arm_joint_index] = arm_speed
+    carried = apply(motion.com_jacobian_all, speeds)
     speeds[:, robot.leg_joint_index] = _joint_step(
-        motion, damped_inverse(jacobian, np.zeros_like(rate)), rate
+        motion, damped_inverse(jacobian, np.zeros_like(rate)), rate, carried
     )
     return speeds
 
@@ -137,11 +143,13 @@ def joint_speeds(
 class _Goal:
     beta: Array  # (K, L, 3) m, seen from the CoM
     rotation: Array | None  # (K, L, 3, 3) R_base_foot of soles, None for points
+    joints: Array  # (K, J) rad, of which those of no leg count
 
     def at(self, knot: int) -> _Goal:
         """One knot's, K = 1."""
         one = slice(knot, knot + 1)
-        return _Goal(self.beta[one], None if self.rotation is None else self.rotation[one])
+        rotation = None if self.rotation is None else self.rotation[one]
+        return _Goal(self.beta[one], rotation, self.joints[one])
 
 
 def _soles_in_base(robot: Robot, R_world_base: Array, foot_quat: ArrayLike | None) -> Array | None:
@@ -170,7 +178,7 @@ def _newton(robot: Robot, goal: _Goal, q: Array) -> tuple[Array, Array]:
 
 def _miss(robot: Robot, goal: _Goal, q: Array) -> tuple[LegMotion, Array, Array]:
     """The legs at q, what keeps their feet from the goal and its Jacobian: see `foot_task`."""
-    motion = robot.chains.motion(q, rotations=goal.rotation is not None)
+    motion = robot.chains.motion(q, rotations=goal.rotation is not None, joints=goal.joints)
     return motion, *foot_task(motion, goal.beta + motion.com[:, None, :], goal.rotation)
 
 
@@ -192,10 +200,15 @@ def _make_continuous(robot: Robot, goal: _Goal, q: Array, residual: Array) -> No
             last = k
 
 
-def _joint_step(motion: LegMotion, inverse: Array, error: Array) -> Array:
-    """Joint step (K, L, n) that moves the feet by `error` (K, L, r) as seen from the CoM."""
+def _joint_step(
+    motion: LegMotion, inverse: Array, error: Array, by_arms: Array | float = 0.0
+) -> Array:
+    """Joint step (K, L, n) that moves the feet by `error` (K, L, r) as seen from the CoM.
+
+    `by_arms`: (K, 3) m by which arms move the CoM meanwhile, seen from the base.
+    """
     carried = motion.com_jacobian @ inverse
-    right = -np.sum(apply(carried, error), axis=1)
+    right = -np.sum(apply(carried, error), axis=1) - by_arms
     moved = np.eye(3) - carried[..., :3].sum(axis=1)
     step = error.copy()
     step[..., :3] -= np.linalg.solve(moved, right[..., None])[..., 0][:, None, :]

@@ -80,7 +80,10 @@ class WholeBodyController:
         self._com = tasks.CentreOfMass(gains.com)
         self._angular_momentum = tasks.AngularMomentum(gains.angular_momentum)
         self._orientation = tasks.BaseOrientation(gains.orientation)
-        self._posture = tasks.Posture(body.velocities - 6, gains.posture)
+        every = np.arange(body.velocities - 6)
+        self._posture = tasks.Posture(every, body.velocities, gains.posture)
+        arms = tasks.Posture(robot.arm_joint_index, body.velocities, gains.arms)
+        self._arms = [(arms, settings.weights.arms)] if robot.arms else []
         points = body.contacts // body.legs
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
@@ -207,6 +210,7 @@ class WholeBodyController:
                 (self._angular_momentum, angular_momentum),
                 (self._orientation, orientation),
                 (self._posture, weights.posture),
+                *self._arms,
                 *self._feet_tasks(contacts.standing, contacts.seeking),
             ],
             target,

@@ -46,6 +46,7 @@ class Target:
     foot_heading: Array  # (L, 3): heading of each foot, its rate and its acceleration
     joint_position: Array  # (J,)
     joint_velocity: Array  # (J,)
+    joint_acceleration: Array  # (J,)
 
 
 class Reference:
@@ -128,10 +129,19 @@ class Reference:
             "foot_heading": heading,
             "joint_position": motion["joint_position"],
             "joint_velocity": motion["joint_velocity"] * moving,
+            "joint_acceleration": _slopes(motion["joint_velocity"]) * moving,
         }
         if braking_time(plan):
             _brake(plan, times, columns, weight)
         self._columns |= {first + row: (columns, row) for row in range(end - first)}
+
+
+def _slopes(samples: Array) -> Array:
+    """Time derivative (K, J) of samples (K, J), `_STEP` apart."""
+    if len(samples) < 2:
+        return np.zeros_like(samples)
+    slopes: Array = np.gradient(samples, _STEP, axis=0)
+    return slopes
 
 
 def braking_time(plan: Plan) -> float:

@@ -139,21 +139,28 @@ class FootOrientation(Task):
 
 
 class Posture(Task):
-    """Joint positions, rad or m; with a small weight it makes the quadratic program definite."""
+    """Positions of some joints, rad or m.
 
-    def __init__(self, joints: int, gains: tuple[float, float]) -> None:
+    Of all, with a small weight, it makes the quadratic program definite; of arms it moves them.
+    """
+
+    def __init__(
+        self, joints: NDArray[np.int64], velocities: int, gains: tuple[float, float]
+    ) -> None:
         super().__init__(gains)
-        self.rows = joints
-        self._jacobian = np.eye(joints, joints + 6, k=6)
-        self._bias = np.zeros(joints)
+        self.rows = len(joints)
+        self._joints = joints
+        self._jacobian = np.eye(velocities)[6 + joints]
+        self._bias = np.zeros(self.rows)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
+        i = self._joints
         return Motion(
             self._jacobian,
             self._bias,
-            target.joint_position - body.q[7:],
-            target.joint_velocity - body.v[6:],
-            self._bias,
+            target.joint_position[i] - body.q[7:][i],
+            target.joint_velocity[i] - body.v[6:][i],
+            target.joint_acceleration[i],
         )
 
 

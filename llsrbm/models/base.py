@@ -7,6 +7,8 @@ Frames and symbols, as in the docstrings of the models:
 - h_i: hip i in the base frame; M_i = diag(mirror_i) turns base axes into the leg's mirrored axes.
 - x_i = M_i (beta_i - o - h_i): foot i in its mirrored hip frame. The legs' configuration is the
   (d, L) matrix of all x_i: the variables of the planner in flight, functions of r and R in stance.
+- What the arms' joints do, if they are free, is given too: of the CoM's definition it is the sum of
+  m c of their links (`llsrbm.models.arms`). Held arms are part of the base.
 - Where feet are lines or soles, d = 4: beta_i goes on with the foot's yaw relative to the base, x_i
   with the same in mirrored axes, det(M_i) times it (outwards positive). The feet are level.
 
@@ -29,6 +31,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.models.arms import Arms, Carried
 from llsrbm.models.drives import Drives
 from llsrbm.robots.robot import Robot
 
@@ -54,18 +57,24 @@ def _sparse(matrix: Array) -> ca.DM:
 
 @dataclass(frozen=True, eq=False)
 class OffsetMap:
-    """o = constant + sum_i G_i y_i, y_i how foot i is given: beta_i or x_i."""
+    """o = constant + sum_i G_i y_i + C s, y_i how foot i is given: beta_i or x_i; s of the arms."""
 
     constant: Array  # (3,) m
     maps: dict[int, Array]  # leg -> G_i, (3, d)
+    of_moment: Array  # C, (3, 3) 1/kg
 
-    def __call__(self, feet: dict[int, Matrix]) -> Matrix:
+    def __call__(self, feet: dict[int, Matrix], arms: Carried | None = None) -> Matrix:
         """o, (3, 1) m, of feet (d, 1)."""
-        return ca.DM(self.constant) + self.rate(feet)
+        own = ca.DM(self.constant) + self._of_feet(feet)
+        return own if arms is None else own + ca.mtimes(_sparse(self.of_moment), arms.moment)
 
-    def rate(self, rates: dict[int, Matrix]) -> Matrix:
+    def rate(self, rates: dict[int, Matrix], arms: Carried | None = None) -> Matrix:
         """Time derivative of o, (3, 1) m/s."""
-        return sum(ca.mtimes(_sparse(G), rates[i]) for i, G in self.maps.items())
+        own = self._of_feet(rates)
+        return own if arms is None else own + ca.mtimes(_sparse(self.of_moment), arms.moment_rate)
+
+    def _of_feet(self, feet: dict[int, Matrix]) -> Matrix:
+        return sum(ca.mtimes(_sparse(G), feet[i]) for i, G in self.maps.items())
 
 
 class CentroidalModel(ABC):
@@ -82,19 +91,32 @@ class CentroidalModel(ABC):
         foot_lift: m, of the feet's frames above the points with which they stand. beta and x are
             of the frames.
         drives: what the legs' joints must do, the same in all models.
+        arms: if they are free; else the base has them.
+        moves_arms: whether they can be.
     """
 
     name: ClassVar[str]  # as in `llsrbm.models.names()`
     summary: ClassVar[str]  # one line for lists
     is_true: ClassVar[bool] = False
+    moves_arms: ClassVar[bool] = False
 
     def __init__(
-        self, robot: Robot, *, leg_mass: float, trunk_com: Array, leg_com_affine: Array
+        self,
+        robot: Robot,
+        *,
+        leg_mass: float,
+        trunk_com: Array,
+        leg_com_affine: Array,
+        arms: Arms | None = None,
     ) -> None:
         """Precompute the base offset's affine maps, from the robot's fit and default posture.
 
-        `leg_mass`: m_l, kg; `trunk_com`: c_T, (3,) m, CoM of all but the legs, base frame;
-        `leg_com_affine`: (1 + d, 3): rows w_0 and W^T of the leg's CoM, mirrored hip frame.
+        Args:
+            robot: the robot.
+            leg_mass: m_l, kg.
+            trunk_com: c_T, (3,) m, CoM of all but the legs and free arms, base frame.
+            leg_com_affine: (1 + d, 3): rows w_0 and W^T of the leg's CoM, mirrored hip frame.
+            arms: if they are free.
         """
         fit = robot.fit
         self.mass = float(robot.mass)
@@ -104,7 +126,8 @@ class CentroidalModel(ABC):
         self.foot_lift = robot.foot_lift
         self.turn_mirrors = self.mirrors[:, 0] * self.mirrors[:, 1]
         self.leg_mass = np.full(self.legs, leg_mass)
-        self.base_mass = self.mass - self.legs * leg_mass
+        self.arms = arms
+        self.base_mass = self.mass - self.legs * leg_mass - (0.0 if arms is None else arms.mass)
         self._leg_com_affine = leg_com_affine
         self.drives = Drives.of(robot)
         W, W_turn = leg_com_affine[1:4].T, leg_com_affine[4:].T
@@ -121,7 +144,9 @@ class CentroidalModel(ABC):
             -leg_mass / self.mass * np.diag(M) @ leg_com_affine[1:].T for M in self.mirrors
         ]
         # Given beta: A o = k + m_l sum_i M_i W M_i beta_i, yaws as further columns.
-        A_inverse = np.linalg.inv(-self.mass * np.eye(3) + leg_mass * sum(per_leg))
+        self._offset_moment = A_inverse = np.linalg.inv(
+            -self.mass * np.eye(3) + leg_mass * sum(per_leg)
+        )
         hips_share = sum(G @ h for G, h in zip(per_leg, self.hips, strict=True))
         self._offset_beta_0 = A_inverse @ (fixed - leg_mass * hips_share)
         self._offset_beta = [
@@ -131,28 +156,25 @@ class CentroidalModel(ABC):
 
     def numbers(self) -> dict[str, Any]:
         """Everything the model computed from the robot, for keys of caches."""
-        plain = {k: v for k, v in vars(self).items() if k != "drives"}
+        plain = {k: v for k, v in vars(self).items() if k not in ("drives", "arms")}
         numbers = {k: np.asarray(v).tolist() for k, v in plain.items()}
-        return numbers | {"drives": self.drives.numbers()}
+        arms = {} if self.arms is None else {"arms": self.arms.numbers()}
+        return numbers | {"drives": self.drives.numbers()} | arms
 
     # ---- where the base is
 
-    def base_offset(self, feet_in_hip: Matrix) -> Matrix:
+    def base_offset(self, feet_in_hip: Matrix, arms: Carried | None = None) -> Matrix:
         """o(x), (3, 1) m, affine in the feet x (d, L)."""
-        return ca.DM(self._offset_0) + self.base_offset_rate(feet_in_hip)
-
-    def base_offset_rate(self, feet_in_hip_rate: Matrix) -> Matrix:
-        """Time derivative of o(x), (3, 1) m/s, linear in xdot (d, L)."""
-        return sum(
-            ca.mtimes(_sparse(G), feet_in_hip_rate[:, i]) for i, G in enumerate(self._offset_x)
-        )
+        return self.offset_map(())(dict(enumerate(ca.horzsplit(feet_in_hip))), arms)
 
     def offset_map(self, standing: tuple[int, ...]) -> OffsetMap:
         """o where standing feet are given as seen from the CoM, others in their hip frames."""
+        hanging: Array = np.diag(np.full(3, -1.0 / self.mass))
         if not standing:
-            return OffsetMap(self._offset_0, dict(enumerate(self._offset_x)))
+            return OffsetMap(self._offset_0, dict(enumerate(self._offset_x)), hanging)
         if len(standing) == self.legs:
-            return OffsetMap(self._offset_beta_0, dict(enumerate(self._offset_beta)))
+            maps = dict(enumerate(self._offset_beta))
+            return OffsetMap(self._offset_beta_0, maps, self._offset_moment)
         left, fixed, maps = np.eye(3), self._offset_0.copy(), dict(enumerate(self._offset_x))
         for i in standing:
             turned = maps[i][:, :3] * self.mirrors[i]
@@ -160,7 +182,8 @@ class CentroidalModel(ABC):
             fixed -= turned @ self.hips[i]
             maps[i] = np.hstack([turned, self.turn_mirrors[i] * maps[i][:, 3:]])
         inverse = np.linalg.inv(left)
-        return OffsetMap(inverse @ fixed, {i: inverse @ G for i, G in maps.items()})
+        maps = {i: inverse @ G for i, G in maps.items()}
+        return OffsetMap(inverse @ fixed, maps, inverse @ hanging)
 
     def foot_in_hip(self, leg: int, foot_from_com: Matrix, offset: Matrix) -> Matrix:
         """x_i of beta_i, (d, 1): M_i (beta_i - o - h_i) m, and a yaw mirrored, rad."""
@@ -181,7 +204,7 @@ class CentroidalModel(ABC):
     # ---- what differs from model to model
 
     @abstractmethod
-    def inertia(self, feet_in_hip: Matrix, offset: Matrix) -> Matrix:
+    def inertia(self, feet_in_hip: Matrix, offset: Matrix, arms: Carried | None = None) -> Matrix:
         """Centroidal inertia, (3, 3) kg m2, base axes."""
 
     def legs_momentum(
@@ -204,6 +227,7 @@ class CentroidalModel(ABC):
         angular_velocity: Matrix,
         offset: Matrix,
         lift: Lift = no_lift,
+        arms: Carried | None = None,
     ) -> Matrix:
         """R^T L = I omega + h, (3, 1) kg m2/s, base axes (eq. 4).
 

@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.models.arms import Carried
 from llsrbm.models.base import CentroidalModel, no_lift, point_inertia
 from llsrbm.robots.robot import Robot
 
@@ -47,7 +48,7 @@ class LLSRBM(CentroidalModel):
             ca.DM(robot.inertia) - m_B * point_inertia(ca.DM(base_com + offset)) - sum(lumps)
         )
 
-    def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
+    def inertia(self, feet_in_hip: Any, offset: Any, arms: Carried | None = None) -> Any:
         """I_B + m_B P(c_B + o) + sum m_l P(a_i), (3, 3) kg m2."""
         total = self._base_inertia + self.base_mass * point_inertia(self._base_com + offset)
         for i in range(self.legs):
@@ -66,6 +67,7 @@ class LLSRBM(CentroidalModel):
         angular_velocity: Any,
         offset: Any,
         lift: Any = no_lift,
+        arms: Carried | None = None,
     ) -> Any:
         """I omega as base_inertia omega + sum of m a x (omega x a), (3, 1) kg m2/s (eq. 4)."""
         w = angular_velocity
@@ -96,7 +98,7 @@ class SRBM(CentroidalModel):
         )
         self._inertia = ca.DM(robot.inertia)
 
-    def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
+    def inertia(self, feet_in_hip: Any, offset: Any, arms: Carried | None = None) -> Any:
         """I_0, (3, 3) kg m2."""
         return self._inertia
 

@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.models.arms import Arms, Carried
 from llsrbm.models.base import CentroidalModel, no_lift, point_inertia
 from llsrbm.robots.leg_maps import quadratic_term_rates, quadratic_terms
 from llsrbm.robots.robot import Robot
@@ -27,6 +28,7 @@ class LLSRBMPlus(CentroidalModel):
       that slide quadratic.
     - h = sum [m_l a_i x M_i (dc/dx) xdot_i + det(M_i) M_i S(x_i) xdot_i], S likewise: the rotation
       of the leg's links about the leg's CoM, a sole's turn among them.
+    - Free arms are counted link by link, exactly (`llsrbm.models.arms`); held ones are base.
     - The path equality of the planner is I omega + h = R^T L, in place of eq. 4.
 
     c, I_c, S and the affine map behind o are least-squares fits to the URDF (`robots.leg_fit`).
@@ -34,15 +36,21 @@ class LLSRBMPlus(CentroidalModel):
 
     name = "llsrbm-plus"
     is_true = True
+    moves_arms = True
     summary = "quadratic leg CoM, changing leg inertia and the legs' own momentum, from the URDF"
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, *, free_arms: bool = False) -> None:
         fit = robot.fit
+        trunk = robot.base if free_arms else robot.trunk
         super().__init__(
-            robot, leg_mass=fit.leg_mass, trunk_com=fit.trunk_com, leg_com_affine=fit.com_affine
+            robot,
+            leg_mass=fit.leg_mass,
+            trunk_com=trunk.lever.copy(),
+            leg_com_affine=fit.com_affine,
+            arms=Arms(robot) if free_arms else None,
         )
-        self._trunk_com = ca.DM(fit.trunk_com)
-        self._trunk_inertia = ca.DM(fit.trunk_inertia)
+        self._trunk_com = ca.DM(trunk.lever)
+        self._trunk_inertia = ca.DM(trunk.inertia)
         self._com = ca.DM(fit.com_quadratic.T)
         self._inertia = ca.DM(fit.inertia_map.T)
         self._spin = ca.DM(fit.spin_map.T)
@@ -70,14 +78,14 @@ class LLSRBMPlus(CentroidalModel):
         affine = coefficients.shape[1] == 1 + self.coordinates
         return _rows(ca.mtimes(coefficients, ca.vertcat(1, x) if affine else quadratic_terms(x)))
 
-    def inertia(self, feet_in_hip: Any, offset: Any) -> Any:
+    def inertia(self, feet_in_hip: Any, offset: Any, arms: Carried | None = None) -> Any:
         """I_T + m_T P(c_T + o) + sum [m_l P(a_i) + M_i I_c M_i], (3, 3) kg m2."""
         total = self._trunk_inertia + self.base_mass * point_inertia(self._trunk_com + offset)
         for i in range(self.legs):
             a = self.foot_from_com(i, self.leg_com(i, feet_in_hip[:, i]), offset)
             total = total + self.leg_mass[i] * point_inertia(a)
             total = total + self.leg_inertia(i, feet_in_hip[:, i])
-        return total
+        return total if arms is None else total + arms.inertia(offset)
 
     def legs_momentum(self, feet_in_hip: Any, feet_in_hip_rate: Any, offset: Any) -> Any:
         """h, (3, 1) kg m2/s."""
@@ -96,6 +104,7 @@ class LLSRBMPlus(CentroidalModel):
         angular_velocity: Any,
         offset: Any,
         lift: Any = no_lift,
+        arms: Carried | None = None,
     ) -> Any:
         """I omega + h leg by leg, m_l a x (omega x a + cdot) + ..., without forming I."""
         w = angular_velocity
@@ -107,4 +116,4 @@ class LLSRBMPlus(CentroidalModel):
             cdot = lift(ca.DM(self.mirrors[i]) * self.leg_com_rate(x, xdot))
             total = total + self.leg_mass[i] * ca.cross(a, ca.cross(w, a) + cdot)
             total = total + ca.mtimes(self.leg_inertia(i, x), w) + self.leg_spin(i, x, xdot)
-        return total
+        return total if arms is None else total + arms.momentum(w, offset, lift)

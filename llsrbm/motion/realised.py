@@ -4,7 +4,8 @@ A plan's knots are postures; `llsrbm.motion.sampling` mixes its quantities betwe
 planner does, for which the base turns at steps of its rate. A body cannot. Between knots it moves
 
 - its CoM as planned, exactly: a parabola over each interval;
-- standing feet not at all, flying ones along cubics that begin and end with the knots' velocities;
+- standing feet not at all, flying ones and the arms' joints along cubics that begin and end with
+  the knots' velocities;
 - its base such that the whole body, by Pinocchio, has the planned angular momentum. Where the
   model is wrong this turns it elsewhere than the next knot's attitude: a smooth rate, small and of
   the same integral, takes it there.
@@ -98,7 +99,7 @@ class _Body:
     def fits(self) -> bool:
         """True if the robot's feet and CoM are where the plan has them, in the plan's postures."""
         plan, robot = self._plan, self._robot
-        legs = robot.chains.motion(self._joints[:, robot.leg_joint_index])
+        legs = robot.chains.motion(self._joints[:, robot.leg_joint_index], joints=self._joints)
         R = rotation_matrices(plan.base_quat)
         base = plan.base_position[:, None]
         feet = base + legs.foot @ np.swapaxes(R, -1, -2) - [0.0, 0.0, robot.foot_lift]
@@ -166,6 +167,8 @@ class _ByMomentum(_Body):
         self._knots, self._standing = states(robot, motion)[0], motion.standing
         feet = plan.foot_position, self._knots.foot_velocity
         self._places = Polynomials.cubics(*feet, self._dt)
+        arms = robot.arm_joint_index
+        self._arms = Polynomials.cubics(self._joints[:, arms], self._speeds[:, arms], self._dt)
         self._soles: Turns | None = None
         if self._knots.foot_omega is not None:
             quat = sign_continuous(plan.foot_quat)
@@ -201,10 +204,10 @@ class _ByMomentum(_Body):
 
     def _rates(self, times: Array, k: Indices, share: Array, quat: Array) -> Array:
         """(K, 3) rad/s, base axes, with which the whole body has the planned momentum."""
-        motion, feet = self._planned(times), self._feet(k, share)
+        motion, feet = self._planned(times, k, share), self._feet(k, share)
         joints = self._postures(motion, quat, feet)[0]
         maps = momentum_maps(self._robot, joints)
-        legs = self._robot.chains.motion(joints[:, self._robot.leg_joint_index])
+        legs = self._robot.chains.motion(joints[:, self._robot.leg_joint_index], joints=joints)
         R_base_world = np.swapaxes(rotation_matrices(quat), -1, -2)
 
         def momentum(rate: Array) -> Array:
@@ -218,8 +221,10 @@ class _ByMomentum(_Body):
         inverse: Array = np.asarray(np.linalg.inv(inertia), dtype=np.float64)
         return apply(inverse, wanted)
 
-    def _planned(self, times: Array) -> dict[str, Array]:
-        return sampled(self._plan, times, ("com", "com_velocity", "angular_momentum"))
+    def _planned(self, times: Array, k: Indices, share: Array) -> dict[str, Array]:
+        planned = sampled(self._plan, times, ("com", "com_velocity", "angular_momentum"))
+        arms = {"arms": self._arms.at(k, share), "arm_speed": self._arms.slopes(k, share)}
+        return planned | arms
 
     def _feet(self, k: Indices, share: Array) -> _Feet:
         rests = self._standing[k][..., None]
@@ -237,6 +242,7 @@ class _ByMomentum(_Body):
         """Joints (K, J), and the base's origin (K, 3)."""
         time = self._plan.time
         near = np.stack([np.interp(motion["time"], time, each) for each in self._joints.T], axis=1)
+        near[:, self._robot.arm_joint_index] = motion["arms"]
         found = solve_postures(self._robot, motion["com"], quat, feet.place, feet.quat, near=near)
         return found.joint_position, found.base_position
 
@@ -252,12 +258,13 @@ class _ByMomentum(_Body):
         """(K, J) per s, with the base's rate (K, 3) rad/s in its axes."""
         omega = apply(rotation_matrices(quat), rate)
         velocities = motion["com_velocity"], feet.velocity, feet.omega
-        return joint_speeds(self._robot, joints, quat, omega, *velocities, legs)
+        speed = motion["arm_speed"]
+        return joint_speeds(self._robot, joints, quat, omega, *velocities, legs, speed)
 
     def at(self, instants: Instants) -> dict[str, Array]:
         k, share = instants.left, instants.share
         moving = ~instants.outside[:, None]
-        motion, feet = self._planned(instants.time), self._feet(k, share)
+        motion, feet = self._planned(instants.time, k, share), self._feet(k, share)
         quat, rate = self._base.at(k, share)
         joints, base = self._postures(motion, quat, feet)
         speeds = self._joint_speeds(joints, quat, rate, motion, feet)

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
-from llsrbm.request.messages import Name, Number, Whole, check_fields, field_specs
+from llsrbm.request.messages import Name, Number, Whole, check_fields, choices, field_specs
 from llsrbm.request.numbers import short
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
@@ -18,6 +18,9 @@ COMPONENTS = ("twist", "forward", "lateral", "height")
 
 TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops")
 """Fields of a `Jump` beyond where to land, which a jump type may ask for."""
+
+FREE, HELD = "free", "held"
+ARMS = (FREE, HELD)
 
 MOST_HOPS = 5
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
@@ -65,9 +68,14 @@ class Jump:
     hops: Annotated[
         int, Whole("Jumps in a row, each as far as the displacement says", "N", 1, MOST_HOPS)
     ] = 1
+    arms: Annotated[
+        str, Name("Of robots with arms: free, to shape the inertia, or held as they hang")
+    ] = FREE
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.arms not in ARMS:
+            raise InputError(f'arms: no choice "{self.arms}"; {choices(self.arms, ARMS)}')
         for name in ("roll", "pitch"):
             turns = getattr(self, name) / (2 * math.pi)
             if abs(turns - round(turns)) > _WHOLE:

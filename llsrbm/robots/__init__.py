@@ -16,7 +16,7 @@ from llsrbm.robots.adapted_urdf import adapted_urdf
 from llsrbm.robots.feet import check_soles, foot_lift
 from llsrbm.robots.leg_fit import load_or_fit
 from llsrbm.robots.legs import LegChains, solve_legs
-from llsrbm.robots.robot import Leg, Robot
+from llsrbm.robots.robot import Arm, Leg, Robot
 from llsrbm.robots.schema import RobotFile, read_robot_file, robot_files
 from llsrbm.robots.urdf import (
     BASE_JOINT,
@@ -107,12 +107,18 @@ def build_robot(path: str | Path) -> Robot:
     feet = {name: spec.foot for name, spec in file.legs.items()}
     urdf_path, package_dirs = adapted_urdf(urdf_source, package_dirs, file.urdf, feet, path)
     model = load_model(urdf_path, path)
-    joint_ids = {name: joint_chain(model, file, path, name) for name in file.legs}
+    limbs = (*file.legs, *file.arms)
+    joint_ids = {name: joint_chain(model, file, path, name) for name in limbs}
     check_joints(model, file, path, joint_ids)
+    arms = _arms(file, model, joint_ids)
+    rest = pin.neutral(model)
+    for arm in arms:
+        rest[arm.q_index] = file.posture[arm.name]
     chains = LegChains(
         model,
-        np.array(list(joint_ids.values())),
+        np.array([joint_ids[name] for name in file.legs]),
         tuple(frame_id(model, spec.foot) for spec in file.legs.values()),
+        rest,
     )
     posture, data = _standing(chains, np.concatenate([file.posture[n] for n in file.legs]))
     legs = _legs(file, chains)
@@ -125,6 +131,7 @@ def build_robot(path: str | Path) -> Robot:
         model=model,
         chains=chains,
         legs=legs,
+        arms=arms,
         joint_names=tuple(model.names[BASE_JOINT + 1 :]),
         posture=posture,
         mass=float(data.Ig.mass),
@@ -161,7 +168,7 @@ def _standing(chains: LegChains, angles: Array) -> tuple[Array, pin.Data]:
     The CoM is above the origin.
     """
     model, data = chains.model, chains.model.createData()
-    posture = pin.neutral(model)
+    posture = pin.neutral(model) if chains.rest is None else chains.rest.copy()
     posture[[model.joints[j].idx_q for j in chains.joint_ids.ravel().tolist()]] = angles
     pin.forwardKinematics(model, data, posture)
     pin.updateFramePlacements(model, data)
@@ -195,6 +202,33 @@ def _legs(file: RobotFile, chains: LegChains) -> tuple[Leg, ...]:
             zip(file.legs.items(), chains.joint_ids.tolist(), strict=True)
         )
     )
+
+
+def _arms(file: RobotFile, model: pin.Model, joint_ids: dict[str, list[int]]) -> tuple[Arm, ...]:
+    data = model.createData()
+    pin.computeJointJacobians(model, data, pin.neutral(model))
+    limbs = {name: joint_ids[name] for name in file.arms}
+    columns = {name: [model.joints[j].idx_v for j in joints] for name, joints in limbs.items()}
+    axes = {name: data.J[3:, index].T for name, index in columns.items()}
+    sides = {name: data.oMi[joints[0]].translation[1] for name, joints in limbs.items()}
+    first = next(iter(limbs), "")
+    arms = []
+    for name, joints in limbs.items():
+        # In a mirror at the plane y = 0 a turn about (x, y, z) is seen as one about (-x, y, -z).
+        seen = axes[first] * ([-1.0, 1.0, -1.0] if sides[name] * sides[first] < 0 else 1.0)
+        arms.append(
+            Arm(
+                name=name,
+                hand_frame=file.arms[name].hand,
+                hand_frame_id=frame_id(model, file.arms[name].hand),
+                joints=tuple(model.names[j] for j in joints),
+                joint_ids=tuple(joints),
+                q_index=np.array([model.joints[j].idx_q for j in joints]),
+                v_index=np.array(columns[name]),
+                mirror=np.where((axes[name] * seen).sum(axis=1) < 0, -1.0, 1.0),
+            )
+        )
+    return tuple(arms)
 
 
 def _symmetrised(hips: Array) -> Array:

@@ -61,7 +61,7 @@ def fit_legs(robot: Robot, samples: int = 1600, seed: int = 0) -> LegFit:
     inertia, spin = inertia.reshape(len(x), -1), spin.reshape(len(x), -1)
     inertia_map, spin_map = _least_squares(features, inertia), _least_squares(features, spin)
     mass, fraction = _proportional(robot)
-    trunk = robot.model.inertias[1]
+    trunk = robot.trunk
     return LegFit(
         total_mass=robot.mass,
         leg_mass=float(robot.chains.mass.mean()),

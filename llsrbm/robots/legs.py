@@ -34,7 +34,7 @@ class LegMotion:
         foot_jacobian, foot_turning: (..., L, 3, n) the foot's velocity and angular velocity per
             joint speed.
         com: (..., 3) m, of the whole robot; com_jacobian: (..., L, 3, n) its velocity per speed of
-            a leg's joints.
+            a leg's joints; com_jacobian_all: (..., 3, J) of all joints'.
     """
 
     foot: Array
@@ -43,6 +43,7 @@ class LegMotion:
     foot_turning: Array
     com: Array
     com_jacobian: Array
+    com_jacobian_all: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,11 +71,13 @@ class LegChains:
         model: Pinocchio's, on a free flyer.
         joint_ids: (L, n) of the model's joints, from the base outwards.
         foot_ids: (L,) of the feet's frames.
+        rest: (nq,) posture in which joints of no leg are where nothing else is said; None: at zero.
     """
 
     model: pin.Model
     joint_ids: NDArray[np.int64]
     foot_ids: tuple[int, ...]
+    rest: Array | None = None
 
     @cached_property
     def prismatic(self) -> NDArray[np.bool_]:
@@ -94,15 +97,28 @@ class LegChains:
         ids = self.joint_ids.tolist()
         return np.array([[self.model.joints[j].idx_v for j in leg] for leg in ids])
 
-    def _read(self, q: Array, read: Callable[[pin.Data], Any]) -> list[Array]:
-        """As `read_postures`, at joint angles q (..., L, n), the base at the origin."""
-        every = np.tile(pin.neutral(self.model), (q.size // self._index.size, 1))
+    def _read(
+        self, q: Array, read: Callable[[pin.Data], Any], joints: Array | None = None
+    ) -> list[Array]:
+        """As `read_postures`, at joint angles q (..., L, n), the base at the origin.
+
+        `joints`: (..., J) of all, where those of no leg are not at rest.
+        """
+        rest = pin.neutral(self.model) if self.rest is None else self.rest
+        every = np.tile(rest, (q.size // self._index.size, 1))
+        if joints is not None:
+            every[:, 7:] = joints.reshape(len(every), -1)
         every[:, self._index + 1] = q.reshape(-1, *self._index.shape)  # a quaternion has 4 numbers
         arrays = read_postures(self.model, every, read)
         return [array.reshape(*q.shape[:-2], *array.shape[1:]) for array in arrays]
 
-    def motion(self, q: Array, *, rotations: bool = False) -> LegMotion:
-        """Feet and CoM at joint angles q (..., L, n); `rotations`: with the feet's attitudes."""
+    def motion(
+        self, q: Array, *, rotations: bool = False, joints: Array | None = None
+    ) -> LegMotion:
+        """Feet and CoM at joint angles q (..., L, n); `rotations`: with the feet's attitudes.
+
+        `joints`: (..., J) of all, where those of no leg are not at rest.
+        """
         J, momentum, com, *feet = self._read(
             q,
             lambda data: [
@@ -112,6 +128,7 @@ class LegChains:
                 *(data.oMf[frame].translation for frame in self.foot_ids),
                 *(data.oMf[frame].rotation for frame in self.foot_ids if rotations),
             ],
+            joints,
         )
         legs = len(self.foot_ids)
         foot = np.stack(feet[:legs], axis=-2)
@@ -119,13 +136,15 @@ class LegChains:
         turning = jacobian[..., 3:, :]
         # Columns of J are velocities of the point at the origin.
         arm = cross(np.swapaxes(turning, -1, -2), foot[..., None, :])
+        com_jacobian = momentum[..., :3, :] / pin.computeTotalMass(self.model)
         return LegMotion(
             foot=foot,
             foot_rotation=np.stack(feet[legs:], axis=-3) if rotations else None,
             foot_jacobian=jacobian[..., :3, :] + np.swapaxes(arm, -1, -2),
             foot_turning=turning,
             com=com,
-            com_jacobian=self._of_legs(momentum[..., :3, :]) / pin.computeTotalMass(self.model),
+            com_jacobian=self._of_legs(com_jacobian),
+            com_jacobian_all=com_jacobian[..., 6:],
         )
 
     def masses(self, q: Array) -> LegMasses:

@@ -19,6 +19,7 @@ from llsrbm.robots.schema import RobotFile
 
 Array = NDArray[np.float64]
 
+_BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.
 _NOT_OF_PLANS: Any = {
     **dict.fromkeys(("control", "uncertainty", "example", "link_pairs"), True),
@@ -27,31 +28,54 @@ _NOT_OF_PLANS: Any = {
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
-    """One leg, base outwards: n joints.
+class Limb:
+    """One leg or arm, base outwards: n joints.
 
     Attributes:
-        foot_frame, foot_frame_id: the contact point's frame, and its index in `Robot.model`.
         joints, joint_ids: names of the joints, and their indices in `Robot.model`.
         q_index, v_index: (n,) where they stand in Pinocchio's q and v.
-        hip: (3,) m: origin of the file's hip joint at zero joint angles, base frame.
-        mirror: (3,) of +1 or -1: diag(mirror) maps this leg onto the reference leg.
     """
 
     name: str
-    foot_frame: str
-    foot_frame_id: int
     joints: tuple[str, ...]
     joint_ids: tuple[int, ...]
     q_index: NDArray[np.int64]
     v_index: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Leg(Limb):
+    """A limb that stands.
+
+    Attributes:
+        foot_frame, foot_frame_id: the contact point's frame, and its index in `Robot.model`.
+        hip: (3,) m: origin of the file's hip joint at zero joint angles, base frame.
+        mirror: (3,) of +1 or -1: diag(mirror) maps this leg onto the reference leg.
+    """
+
+    foot_frame: str
+    foot_frame_id: int
     hip: Array
     mirror: Array
 
 
 @dataclass(frozen=True, eq=False)
+class Arm(Limb):
+    """A limb that never stands.
+
+    Attributes:
+        hand_frame, hand_frame_id: the frame at its end, and its index in `Robot.model`.
+        mirror: (n,) of +1 or -1: by which its joint angles are those of the first arm, mirrored.
+    """
+
+    hand_frame: str
+    hand_frame_id: int
+    mirror: Array
+
+
+@dataclass(frozen=True, eq=False)
 class Robot:
-    """A robot as the rest of the library sees it: L legs, J joints.
+    """A robot as the rest of the library sees it: L legs, A arms, J joints.
 
     The default posture stands level on the ground, the lowest foot's lowest point at z = 0, the CoM
     above the world's origin; soles lie flat, the CoM above what they span.
@@ -63,6 +87,7 @@ class Robot:
         package_dirs: where `package://` names in it are looked up.
         model: Pinocchio model with a free flyer at the root link. Do not change it.
         chains: the legs' kinematics, the base at rest.
+        legs, arms: in the order of the file.
         joint_names: (J,) Pinocchio's order, without the root.
         posture: (nq,) default posture, Pinocchio's convention (quaternion x, y, z, w).
         mass, com, inertia: kg, (3,) m, (3, 3) kg m2 about the CoM; world frame, default posture.
@@ -90,6 +115,7 @@ class Robot:
     feet: Array
     base_position: Array
     load_fit: Callable[[Robot], LegFit]
+    arms: tuple[Arm, ...] = ()
     foot_lift: float = 0.0
     turns_over: bool = False
 
@@ -119,6 +145,42 @@ class Robot:
         return np.array([leg.q_index for leg in self.legs]) - 7
 
     @cached_property
+    def arm_joint_index(self) -> NDArray[np.int64]:
+        """(A n,): places of the arms' joints among `joint_names`, arm after arm."""
+        index = [arm.q_index - 7 for arm in self.arms]
+        return np.concatenate(index) if index else np.zeros(0, dtype=np.int64)
+
+    @cached_property
+    def arm_angles(self) -> Array:
+        """(A n,) rad: of the arms' joints in the default posture, in that order."""
+        angles: Array = self.posture[7:][self.arm_joint_index]
+        return angles
+
+    @cached_property
+    def arm_ends(self) -> Array:
+        """(2, A n) rad: between which plans move these joints."""
+        reach = self.file.arm_reach
+        ends = self.joint_stops[:, self.arm_joint_index].copy()
+        if reach is None:
+            return ends
+        both = np.array([reach.lower, reach.upper])
+        own = np.hstack([np.sort(both * arm.mirror, axis=0) for arm in self.arms])
+        return np.array([np.maximum(ends[0], own[0]), np.minimum(ends[1], own[1])])
+
+    @property
+    def base(self) -> pin.Inertia:
+        """The root link alone, in its frame."""
+        return self.model.inertias[_BASE_JOINT]
+
+    @cached_property
+    def trunk(self) -> pin.Inertia:
+        """The root link with the arms as they are in the default posture, in its frame."""
+        data, q = self.model.createData(), pin.neutral(self.model)
+        q[7:] = self.posture[7:]
+        pin.ccrba(self.model, data, q, np.zeros(self.model.nv))
+        return sum((data.oYcrb[arm.joint_ids[0]] for arm in self.arms), start=self.base)
+
+    @cached_property
     def torque_limit(self) -> Array:
         """(J,) Nm or N, in the order of `joint_names`; the URDF's where the file has none."""
         return self._of_joints(self.file.limits.torque, self.model.effortLimit)
@@ -142,7 +204,7 @@ class Robot:
     def _of_joints(self, limit: float | tuple[float, ...] | None, urdf: Array) -> Array:
         if limit is None:
             return np.array(urdf[6:])
-        joints = np.empty(len(self.joint_names))
+        joints = np.array(urdf[6:])
         joints[self.leg_joint_index] = limit
         return joints
 

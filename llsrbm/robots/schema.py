@@ -5,6 +5,7 @@ Mass properties and leg maps are not in it; they are computed from the URDF.
 
 from __future__ import annotations
 
+from operator import gt
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -92,6 +93,33 @@ class LegFrames(Table):
 
     foot: str
     hip: str
+
+
+class ArmFrames(Table):
+    """Names in the URDF: the frame at the end of an arm. Joints between it and the base that are
+    not held are the arm's.
+    """
+
+    hand: str
+
+
+class ArmReach(Table):
+    """Where plans move the arms: joint angles of the first arm, rad, the others mirrored.
+
+    The URDF's stops hold as well. What is nearer to the trunk or the legs is left out.
+
+    Attributes:
+        lower, upper: from the base outwards.
+    """
+
+    lower: Annotated[tuple[float, ...], Field(min_length=1)]
+    upper: Annotated[tuple[float, ...], Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if len(self.lower) != len(self.upper) or any(map(gt, self.lower, self.upper)):
+            raise fault("expected as many lower as upper angles, none above its upper one")
+        return self
 
 
 class Foot(Table):
@@ -223,8 +251,8 @@ class Gains(Table):
     """Feedback of the whole-body controller's tasks: (stiffness 1/s2, damping 1/s).
 
     Attributes:
-        com, orientation, swing, posture: of the CoM, of the base's attitude, of feet in the air, of
-            the joints where no other task wants them.
+        com, orientation, swing, posture, arms: of the CoM, of the base's attitude, of feet in the
+            air, of the joints where no other task wants them, of the arms' joints.
         angular_momentum: decay of its error, 1/s.
         standing: damping of feet on the ground, 1/s: brings feet back that bounce.
     """
@@ -233,6 +261,7 @@ class Gains(Table):
     orientation: tuple[Length, Length] = (150.0, 20.0)
     swing: tuple[Length, Length] = (500.0, 40.0)
     posture: tuple[Length, Length] = (100.0, 20.0)
+    arms: tuple[Length, Length] = (600.0, 49.0)
     angular_momentum: Length = 40.0
     standing: Length = 20.0
 
@@ -241,8 +270,8 @@ class Weights(Table):
     """Weights of the whole-body controller's tasks: 1 over (the task's unit squared).
 
     Attributes:
-        com, orientation, angular_momentum, swing, contact, posture: of squared accelerations (of
-            the angular momentum, its rate).
+        com, orientation, angular_momentum, swing, contact, posture, arms: of squared accelerations
+            (of the angular momentum, its rate).
         swing_orientation: of soles in the air.
         orientation_in_takeoff, angular_momentum_in_takeoff: there the momenta decide where a flight
             leads; a light base between heavy legs must give way to them.
@@ -262,6 +291,7 @@ class Weights(Table):
     swing_orientation: Length = 10.0
     contact: Length = 1e4
     posture: Length = 1e-4
+    arms: Length = 1.0
     force: Length = 1e-4
     force_in_landing: Length = 1e-2
 
@@ -314,7 +344,10 @@ class RobotFile(Table):
     Attributes:
         name: short name, lower case; title: name to show.
         legs: leg name -> frames, in the order used everywhere.
-        posture: leg name -> joint angles of the default posture, rad, from the base outwards.
+        arms: arm name -> frames, likewise: limbs that never stand, all alike.
+        posture: leg or arm name -> joint angles of the default posture, rad, from the base
+            outwards.
+        arm_reach: of robots with arms.
         turning: a robot without it does no flips.
         planning: cost name -> weight, where this robot wants another one than
             `llsrbm.planning.problem.costs` has.
@@ -324,7 +357,9 @@ class RobotFile(Table):
     title: Annotated[str, Field(min_length=1)]
     urdf: UrdfSource
     legs: Annotated[dict[str, LegFrames], Field(min_length=1)]
+    arms: dict[str, ArmFrames] = Field(default_factory=dict)
     posture: dict[str, tuple[float, ...]]
+    arm_reach: ArmReach | None = None
     foot: Foot = Foot()
     reach: Reach
     limits: Limits
@@ -342,14 +377,33 @@ class RobotFile(Table):
         """Of `pitch` and `roll` those about which it makes whole turns; none without [turning]."""
         return self.turning.axes if self.turning is not None else ()
 
+    @model_serializer(mode="wrap")
+    def _without_arms_if_none(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Robots without arms are written as before there were any: caches know them by this."""
+        table: dict[str, Any] = serialise(self)
+        if not self.arms:
+            for key in ("arms", "arm_reach"):
+                table.pop(key, None)
+        return table
+
     @model_validator(mode="after")
-    def _posture_of_every_leg(self) -> Self:
-        for leg in self.posture:
-            if leg not in self.legs:
-                raise fault(f"posture.{leg}: no such leg; {choices(leg, self.legs)}")
-        for leg in self.legs:
-            if leg not in self.posture:
-                raise fault(f"posture.{leg}: missing; expected joint angles")
+    def _posture_of_every_limb(self) -> Self:
+        limbs = [*self.legs, *self.arms]
+        for limb in self.posture:
+            if limb not in limbs:
+                raise fault(f"posture.{limb}: no such leg or arm; {choices(limb, limbs)}")
+        for limb in limbs:
+            if limb not in self.posture:
+                raise fault(f"posture.{limb}: missing; expected joint angles")
+        if twice := sorted(self.legs.keys() & self.arms.keys()):
+            raise fault(f"arms.{twice[0]}: a leg is called so, too; expected another name")
+        if (self.arm_reach is not None) != bool(self.arms):
+            raise fault("arm_reach: expected for robots with [arms], and for no others")
+        if self.arm_reach is not None:
+            joints = len(self.arm_reach.lower)
+            for arm in self.arms:
+                if len(self.posture[arm]) != joints:
+                    raise fault(f"posture.{arm}: expected {joints} angles, as arm_reach has")
         return self
 
     @model_validator(mode="after")

@@ -70,45 +70,49 @@ def frame_id(model: pin.Model, name: str) -> int:
     return int(model.getFrameId(name))
 
 
-def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list[int]:
-    """Joint indices of a leg, base outwards; `RobotFileError` where the file does not fit."""
-    spec = file.legs[leg]
-    if not any(frame.name == spec.foot for frame in model.frames):
+def joint_chain(model: pin.Model, file: RobotFile, path: Path, limb: str) -> list[int]:
+    """Joint indices of a leg or an arm, base outwards.
+
+    Raises `RobotFileError` where the file does not fit.
+    """
+    leg = file.legs.get(limb)
+    end = file.arms[limb].hand if leg is None else leg.foot
+    key = f"arms.{limb}.hand" if leg is None else f"legs.{limb}.foot"
+    if not any(frame.name == end for frame in model.frames):
         # The first two are the world and the free flyer, which Pinocchio adds to the URDF.
         frames = dict.fromkeys(frame.name for frame in list(model.frames)[2:])
         raise RobotFileError(
-            f'{path}: legs.{leg}.foot: the URDF has no frame "{spec.foot}"; '
-            f"{choices(spec.foot, frames)}"
+            f'{path}: {key}: the URDF has no frame "{end}"; {choices(end, frames)}'
         )
     chain: list[int] = []
-    joint = model.frames[frame_id(model, spec.foot)].parentJoint
+    joint = model.frames[frame_id(model, end)].parentJoint
     while joint > BASE_JOINT:
         chain.insert(0, joint)
         joint = model.parents[joint]
     names = [model.names[j] for j in chain]
-    if spec.hip not in names:
-        if not names:
-            raise RobotFileError(
-                f'{path}: legs.{leg}.foot: no joint moves frame "{spec.foot}" against the base; '
-                "expected a frame at the end of a leg"
-            )
+    if not names:
         raise RobotFileError(
-            f'{path}: legs.{leg}.hip: no joint "{spec.hip}" lies between the base and '
-            f'"{spec.foot}"; {choices(spec.hip, names)}'
+            f'{path}: {key}: no joint moves frame "{end}" against the base; '
+            f"expected a frame at the end of {'an arm' if leg is None else 'a leg'}"
+        )
+    if leg is not None and leg.hip not in names:
+        raise RobotFileError(
+            f'{path}: legs.{limb}.hip: no joint "{leg.hip}" lies between the base and '
+            f'"{end}"; {choices(leg.hip, names)}'
         )
     for joint, name in zip(chain, names, strict=True):
         if model.joints[joint].nq != 1:
             raise RobotFileError(
-                f'{path}: legs.{leg}: joint "{name}" is neither revolute nor prismatic '
+                f'{path}: {key}: joint "{name}" is neither revolute nor prismatic '
                 f"({model.joints[joint].shortname()})"
             )
-    angles = file.posture[leg]
+    angles = file.posture[limb]
     if len(angles) != len(chain):
         raise RobotFileError(
-            f"{path}: posture.{leg}: expected {len(chain)} joint angles ({', '.join(names)}), "
+            f"{path}: posture.{limb}: expected {len(chain)} joint angles ({', '.join(names)}), "
             f"got {len(angles)}"
         )
-    for limit in ("torque", "joint_speed"):
+    for limit in ("torque", "joint_speed") if leg is not None else ():
         given = getattr(file.limits, limit)
         if isinstance(given, tuple) and len(given) != len(chain):
             raise RobotFileError(
@@ -121,34 +125,36 @@ def joint_chain(model: pin.Model, file: RobotFile, path: Path, leg: str) -> list
 def check_joints(
     model: pin.Model, file: RobotFile, path: Path, chains: dict[str, list[int]]
 ) -> None:
-    """Raise `RobotFileError` unless every joint belongs to one leg and all legs are alike."""
+    """Raise `RobotFileError` unless a joint belongs to one limb, and legs and arms are alike."""
     owner: dict[int, str] = {}
-    for leg, chain in chains.items():
+    for limb, chain in chains.items():
         for joint in chain:
             if joint in owner:
+                table, kind = ("legs", "leg") if limb in file.legs else ("arms", "limb")
                 raise RobotFileError(
-                    f'{path}: legs.{leg}: joint "{model.names[joint]}" also belongs to leg '
-                    f"{owner[joint]}; expected each leg to have joints of its own"
+                    f'{path}: {table}.{limb}: joint "{model.names[joint]}" also belongs to {kind} '
+                    f"{owner[joint]}; expected each {kind} to have joints of its own"
                 )
-            owner[joint] = leg
+            owner[joint] = limb
     free = [model.names[j] for j in range(BASE_JOINT + 1, model.njoints) if j not in owner]
     if free:
         raise RobotFileError(
             f"{path}: legs: joints {', '.join(free)} of {file.urdf.path or file.urdf.file} belong "
-            f"to no leg; expected every joint to move a foot, or to be held at an angle: "
+            f"to no leg; expected every joint to move a foot or a hand, or to be held at an angle: "
             f"{free[0]} = 0.0 in [urdf.held]"
         )
     kinds = {
         leg: tuple(model.joints[j].shortname().startswith("JointModelP") for j in chain)
         for leg, chain in chains.items()
     }
-    first = next(iter(kinds))
-    for leg, kind in kinds.items():
-        if kind != kinds[first]:
-            raise RobotFileError(
-                f"{path}: legs.{leg}: its joints differ in number or kind from those of leg "
-                f"{first}; expected all legs alike"
-            )
+    for table, limbs in (("leg", file.legs), ("arm", file.arms)):
+        first = next(iter(limbs), "")
+        for limb in limbs:
+            if kinds[limb] != kinds[first]:
+                raise RobotFileError(
+                    f"{path}: {table}s.{limb}: its joints differ in number or kind from those of "
+                    f"{table} {first}; expected all {table}s alike"
+                )
 
 
 def collision_geometry(

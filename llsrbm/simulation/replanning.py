@@ -212,6 +212,8 @@ class Replanning(Hook):
             foot_velocity=foot_velocity,
             foot_yaw=yaw,
             foot_yaw_rate=yaw_rate,
+            joints=body.q[7:] + latency * body.v[6:],
+            joint_speeds=np.array(body.v[6:]),
         )
 
 

@@ -51,6 +51,10 @@ def _swings(role: Role) -> bool:
     return bool(role.swinging)
 
 
+def _moves_arms(role: Role) -> bool:
+    return role.moves_arms and not role.terminal
+
+
 def _force_follows_force(role: Role) -> bool:
     return role.in_contact and (not role.last or (not role.final and bool(role.staying)))
 
@@ -108,6 +112,22 @@ COSTS: tuple[Cost, ...] = (
         "legs swing more smoothly; feet draw in less",
         _swings,
         _swing_effort,
+    ),
+    Cost(  # of the arms' joints
+        "arm_movement",
+        1e-3,
+        "1/(rad/s)^2",
+        "arms move less, and shape the inertia less",
+        _moves_arms,
+        lambda s: ca.sumsqr(s.arm_rates) / s.intervals,
+    ),
+    Cost(  # steps of the arms' speeds
+        "arm_effort",
+        1e-4,
+        "1/(rad/s)^2",
+        "arms swing more smoothly",
+        _moves_arms,
+        lambda s: s.intervals * ca.sumsqr(s.symbols["arms_step"]),
     ),
     Cost(  # about the vertical; points do not turn
         "foot_turning",

@@ -41,6 +41,7 @@ AT_KNOTS = (
     "leg_com",
     "foot_position",
     "foot_heading",
+    "arm_angles",
 )
 OVER_INTERVALS = ("duration", "contact_force", "rotation_rate", "momentum_mean_base")
 
@@ -148,6 +149,7 @@ class Knots:
         inertia: (N+1, 3, 3) kg m2 of the model, leg_com: (N+1, L, 3) m from the CoM; base axes.
         foot_position: (N+1, L, 3) m; foot_heading: (N+1, L) rad: as the model sees them in flight,
             as they stand in contact.
+        arm_angles: (N+1, A n) rad, of free arms; (N+1, 0) of others.
         near_angles: (N+1, J) joint angles close to the postures, where they are known.
         evaluate: the rows of the constraints under a task, where they are known.
     """
@@ -170,6 +172,7 @@ class Knots:
     leg_com: Array
     foot_position: Array
     foot_heading: Array
+    arm_angles: Array
     near_angles: Array | None = None
     evaluate: Evaluate | None = None
 
@@ -210,14 +213,14 @@ class Knots:
     @cached_property
     def postures(self) -> Postures:
         """Postures of the whole body that realise the plan at the knots."""
-        return solve_postures(
-            self.task.robot,
-            self.position,
-            self.quat,
-            self.foot_position,
-            self.foot_quat,
-            near=self.near_angles,
-        )
+        robot, near = self.task.robot, self.near_angles
+        if near is None and self.layout.arm_joints:
+            near = np.tile(robot.posture[7:], (len(self.time), 1))
+        if near is not None and self.layout.arm_joints:
+            near = near.copy()
+            near[:, robot.arm_joint_index] = self.arm_angles
+        feet = self.foot_position, self.foot_quat
+        return solve_postures(robot, self.position, self.quat, *feet, near=near)
 
     @cached_property
     def loads(self) -> JointLoads:
@@ -277,6 +280,7 @@ def unpack(
         leg_com=values["leg_com"],
         foot_position=values["foot_position"],
         foot_heading=_continuous(values["foot_heading"], layout, task),
+        arm_angles=values["arm_angles"],
         evaluate=evaluate,
     )
 
@@ -298,6 +302,7 @@ class Sampled:
         position, velocity: (N+1, 3); quat: (N+1, 4); momentum, rotation_rate: (N+1, 3).
         feet: (N+1, L, d) x; feet_velocity: (N+1, L, d), of the interval before, at lift-off of the
             first one.
+        arms: (N+1, A n) rad; arms_velocity: (N+1, A n) rad/s, of the interval before.
         force: (N+1, L, c, 3); landing_force: (L, c, 3), of feet that meet the ground.
         shift: (2,) m.
     """
@@ -310,6 +315,8 @@ class Sampled:
     rotation_rate: Array
     feet: Array
     feet_velocity: Array
+    arms: Array
+    arms_velocity: Array
     force: Array
     landing_force: Array
     shift: Array
@@ -340,6 +347,9 @@ def pack(layout: Layout, motion: Sampled) -> Array:
             "feet_step": of("feet_step", rate[following] - rate[k]),
             "next_feet": of("next_feet", feet[following]),
             "next_feet_velocity": of("next_feet_velocity", rate[following]),
+            "arms": motion.arms[k],
+            "arms_velocity": motion.arms_velocity[k],
+            "arms_step": motion.arms_velocity[following] - motion.arms_velocity[k],
             SHIFT: motion.shift,
         }
         for name, place in layout.variables(k).items():

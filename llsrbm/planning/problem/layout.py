@@ -34,6 +34,7 @@ BODY_PLACES = {
     "momentum": slice(10, 13),
 }
 SHIFT = "shift"
+ARMS = ("arms", "arms_velocity", "arms_step")  # states, and what changes the second one
 _SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3, SHIFT: 2}
 _SCALARS = ("duration", "next_duration")
 
@@ -57,8 +58,9 @@ class Layout:
     L / m in m2/s; force in m g / contacts; duration s; feet x_i, (d, legs), m in the hip frames,
     with d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step,
     what is added to it as an interval begins, m/s, rad/s; feet_stop, what is added at touchdown;
-    rotation_rate: the base's angular velocity over the interval, base axes, rad/s; shift: of where
-    feet land, horizontally, m. Of feet and forces a variable has the legs that `legs_of` says.
+    arms: the joints of free arms, rad, in all phases alike; arms_velocity, arms_step: as of feet,
+    rad/s; rotation_rate: the base's angular velocity over the interval, base axes, rad/s; shift: of
+    where feet land, horizontally, m. Of feet and forces a variable has the legs of `legs_of`.
 
     Attributes:
         contacts: C, L times the corners of a foot.
@@ -68,6 +70,7 @@ class Layout:
         clears: whether the whole body has something to clear (`constraints.body_clearance`).
         turns: whether the body turns over, so fast that legs feel it.
         under_way: whether it begins in motion, and where feet land next is free.
+        arm_joints: of all arms that are free.
     """
 
     contacts: int
@@ -77,6 +80,7 @@ class Layout:
     clears: bool = False
     turns: bool = False
     under_way: bool = False
+    arm_joints: int = 0
     elastic: ClassVar[bool] = False  # see `problem.elastic`
     own_numbers: ClassVar[int] = 3  # parameters that each interval has for itself
 
@@ -90,11 +94,13 @@ class Layout:
         *,
         clears: bool = False,
         turns: bool = False,
+        arm_joints: int = 0,
     ) -> Layout:
         """Of a schedule; `intervals` as for three phases."""
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
         counts, under_way = split(intervals, schedule), schedule.under_way
-        return cls(contacts, stands, counts, foot_coordinates, clears, turns, under_way)
+        shape = contacts, stands, counts, foot_coordinates
+        return cls(*shape, clears, turns, under_way, arm_joints)
 
     @property
     def legs(self) -> int:
@@ -125,8 +131,13 @@ class Layout:
     def name(self) -> str:
         """The feet that stand in each phase, for names of files: "1111-0000-1111"."""
         text = "-".join("".join(str(int(foot)) for foot in row) for row in self.stands)
-        flags = ("-clears", self.clears), ("-turns", self.turns), ("-under-way", self.under_way)
-        return text + "".join(tag for tag, on in flags if on)
+        flags = {
+            "-clears": self.clears,
+            "-turns": self.turns,
+            "-under-way": self.under_way,
+            "-arms": self.arm_joints > 0,
+        }
+        return text + "".join(tag for tag, on in flags.items() if on)
 
     @cached_property
     def roles(self) -> tuple[Role, ...]:
@@ -137,6 +148,7 @@ class Layout:
             clears=self.clears,
             turns=self.turns,
             under_way=self.under_way,
+            moves_arms=self.arm_joints > 0,
         )
 
     @cached_property
@@ -204,23 +216,27 @@ class Layout:
             return _SIZES[name]
         if name in _SCALARS:
             return 1
+        if name in ARMS:
+            return self.arm_joints
         per_leg = 3 * self.corners if "force" in name else self.foot_coordinates
         return per_leg * len(self.legs_of(name, role))
 
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""
         shift = (SHIFT,) if role.shifts else ()
+        arms = ARMS[:2] if role.moves_arms and not role.initial else ()
         if role.terminal:
-            return (*BODY, *shift)
+            return (*BODY, *arms, *shift)
         feet = ("feet", "feet_velocity") if role.in_air and not role.initial else ()
         force = ("force",) if role.standing else ()
-        return (*(() if role.initial else BODY), *feet, *force, "duration", *shift)
+        return (*(() if role.initial else BODY), *arms, *feet, *force, "duration", *shift)
 
     def controls(self, role: Role) -> tuple[str, ...]:
         """Names of the controls over the interval that starts at a knot of that role."""
         if role.terminal:
             return ()
         names = ["force_step"] if self._force_steps(role) else []
+        names += [ARMS[2]] if role.moves_arms else []
         names += ["feet_step"] if role.swinging else []
         names += ["feet_stop"] if role.settling else []
         names += ["next_feet", "next_feet_velocity"] if role.rising else []

@@ -39,6 +39,8 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
         "torque_share": np.array([task.limits.torque_share]),
         "upright_axes": upright_axes(task.jump),
     }
+    if layout.arm_joints:
+        values |= start_arms(task)
     if task.clears:
         values |= clearance_parameters(task)
     if task.motion is not None:
@@ -61,6 +63,13 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
     return {name: np.ravel(value) for name, value in (values | weights | last).items()}
 
 
+def start_arms(task: Task) -> dict[str, Array]:
+    """Where free arms begin, how they move there, and where they end."""
+    angles = task.robot.arm_angles
+    moves = (angles, np.zeros_like(angles)) if task.motion is None else task.motion.arms
+    return {"start_arms": moves[0], "start_arms_velocity": moves[1], "goal_arms": angles}
+
+
 def parameter_sizes(layout: Layout) -> dict[str, int]:
     """Name -> number of scalars of the solver's parameters, in their order."""
     sizes = {
@@ -75,6 +84,9 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
         "torque_share": 1,
         "upright_axes": 3,
     }
+    if layout.arm_joints:
+        arms = layout.arm_joints
+        sizes |= {"start_arms": arms, "start_arms_velocity": arms, "goal_arms": arms}
     if layout.clears:
         sizes |= CLEARANCE_PARAMETERS
     if layout.under_way:

@@ -29,6 +29,7 @@ class Role:
         clears: whether trunk, knees and flying feet are kept clear of something.
         lands_upright: after the last flight of a body that turns over.
         under_way: of a motion that began under way.
+        moves_arms: whether the robot has arms that are free.
         shifts: whether where feet will land is a variable; shifted: whether they have landed there.
     """
 
@@ -49,6 +50,7 @@ class Role:
     clears: bool = False
     lands_upright: bool = False
     under_way: bool = False
+    moves_arms: bool = False
     shifts: bool = False
     shifted: bool = False
 
@@ -95,6 +97,7 @@ def roles_of(
     clears: bool = False,
     turns: bool = False,
     under_way: bool = False,
+    moves_arms: bool = False,
 ) -> tuple[Role, ...]:
     """(N + 1) roles of knots, by which feet stand in a phase and by its intervals; see `Layout`."""
     roles: list[Role] = []
@@ -128,6 +131,7 @@ def roles_of(
                     clears=clears and not (p == 0 and first),
                     lands_upright=turns and p > last_flight,
                     under_way=under_way,
+                    moves_arms=moves_arms,
                     shifts=shifts,
                     shifted=shifts and p > flights[0],
                 )
@@ -140,6 +144,7 @@ def roles_of(
         terminal=True,
         final=True,
         under_way=under_way,
+        moves_arms=moves_arms,
         shifts=shifts,
         shifted=shifts,
     )

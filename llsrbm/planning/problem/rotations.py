@@ -14,7 +14,7 @@ from typing import Any
 
 import casadi as ca
 
-from llsrbm.models.base import CentroidalModel
+from llsrbm.models.base import CentroidalModel, no_lift
 
 
 def rotation_matrix(quat: Any) -> Any:
@@ -85,8 +85,8 @@ def feet_seen(model: CentroidalModel) -> ca.Function:
 
     Arguments: R_world_base (3, 3); position and velocity of the CoM, (3, 1) m, m/s; angular
     velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet's lowest
-    points, (3, L) m, m/s; their headings and turning rates, (L, 1) rad, rad/s. Of K instants all
-    side by side.
+    points, (3, L) m, m/s; their headings and turning rates, (L, 1) rad, rad/s; of models whose arms
+    are free their joints' angles and rates, (A n, 1) rad, rad/s. Of K instants all side by side.
     """
     legs = range(model.legs)
     R, r, v, omega = (ca.SX.sym(n, 3, 3 if n == "R" else 1) for n in ("R", "r", "v", "omega"))
@@ -100,12 +100,17 @@ def feet_seen(model: CentroidalModel) -> ca.Function:
             nb = across(R, heading[i])
             beta[i] = ca.vertcat(beta[i], relative_yaw(nb))
             rate[i] = ca.vertcat(rate[i], relative_yaw_rate(nb, omega) + turning[i])
+    moves: list[Any] = []
+    arms = None
+    if model.arms is not None:
+        angles, rates = (ca.SX.sym(n, model.arms.joints) for n in ("arms", "arm_rates"))
+        moves, arms = [angles, rates], model.arms.carried(angles, rates, no_lift)
     offset = model.offset_map(tuple(legs))
-    o, o_rate = offset(beta), offset.rate(rate)
+    o, o_rate = offset(beta, arms), offset.rate(rate, arms)
     x = [model.foot_in_hip(i, beta[i], o) for i in legs]
     xdot = [model.foot_rate_in_hip(i, rate[i], o_rate) for i in legs]
     return ca.Function(
         "feet_seen",
-        [R, r, v, omega, feet, velocity, heading, turning],
+        [R, r, v, omega, feet, velocity, heading, turning, *moves],
         [ca.densify(ca.horzcat(*x)), ca.densify(ca.horzcat(*xdot))],
     )

@@ -22,7 +22,8 @@ class Stage(StageFeet):
     def balance(self) -> Any:
         """(I omega + h + correction - R^T L) / m over an interval, (3, 1), BALANCE_SCALE m2/s."""
         x, xdot, o, _ = self.feet_mid
-        momentum = self.model.angular_momentum(x, xdot, self.rotation_rate, o, self.lift)
+        moving = x, xdot, self.rotation_rate, o, self.lift, self.arms_mid
+        momentum = self.model.angular_momentum(*moving)
         momentum = momentum / self.model.mass + self.correction
         return BALANCE_SCALE * (momentum - self.momentum_mean_base)
 
@@ -67,6 +68,29 @@ class Stage(StageFeet):
                 x = x + rate * self.dt
                 ends.append(self._swing_torque(leg, x, rate + step / 2, step / span))
         return ca.horzcat(*starts, *ends)
+
+    @cached_property
+    def arm_speeds(self) -> Any:
+        """(A n, 1) shares of their limits; none of robots whose arms do not move."""
+        arms = self.model.arms
+        return ca.SX(0, 1) if arms is None else self.arm_rates / ca.DM(arms.speed_limit)
+
+    @cached_property
+    def arm_torques(self) -> Any:
+        """(A n, 1) shares of what the arms' drives give at rest, as the interval begins."""
+        arms = self.model.arms
+        if arms is None:
+            return ca.SX(0, 1)
+        step, span = self.symbols["arms_step"], self.dt / 2 if self.role.initial else self.dt
+        torque = arms.torques(
+            self.arm_angles,
+            self.lift(self.arms_of("arms_velocity") + step / 2),
+            self.lift(step / span),
+            self.rotation_rate,
+            self._specific_force_base,
+            self.lift,
+        )
+        return self.lift(torque / ca.DM(arms.torque_limit))
 
     def _swing_torque(self, leg: int, x: Any, x_rate: Any, x_acceleration: Any) -> Any:
         drives = self.model.drives
@@ -146,7 +170,7 @@ class Stage(StageFeet):
     @property
     def inertia(self) -> Any:
         """Of the model at the knot, (3, 3) kg m2, base axes."""
-        return self.model.inertia(self.feet_in_hip, self.offset)
+        return self.model.inertia(self.feet_in_hip, self.offset, self.arms_at_knot)
 
     @property
     def leg_com(self) -> Any:
@@ -193,6 +217,8 @@ class Stage(StageFeet):
             "quat": lambda: self.quat_end,
             "velocity": lambda: self.velocity_end,
             "momentum": lambda: self.momentum + self.moment * self.dt,
+            "arms": lambda: self.arm_angles + self.arm_rates * self.dt,
+            "arms_velocity": lambda: self.arm_rates,
             "force": lambda: self._next_force(following),
             "feet": lambda: self._next_feet(following),
             "feet_velocity": lambda: self._next_feet_velocity(following),

@@ -8,6 +8,7 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
+from llsrbm.models.arms import Carried
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.problem.layout import SHIFT, Layout
@@ -91,6 +92,42 @@ class StageBody:
     def _chosen_or_given(self, name: str) -> Any:
         """A variable, or where it all begins a parameter."""
         return self.symbols[name] if name in self.symbols else self.parameters[f"start_{name}"]
+
+    # ---- arms
+
+    def arms_of(self, name: str) -> Any:
+        """Their joints or how these move, (A n, 1), at the knot."""
+        return self._chosen_or_given(name)
+
+    @cached_property
+    def arm_angles(self) -> Any:
+        """(A n, 1) rad at the knot; none of robots whose arms do not move."""
+        return self.arms_of("arms") if self.role.moves_arms else ca.SX(0, 1)
+
+    @cached_property
+    def arm_rates(self) -> Any:
+        """(A n, 1) rad/s over the interval, even; at the end those of the one before."""
+        if not self.role.moves_arms:
+            return ca.SX(0, 1)
+        before = self.arms_of("arms_velocity")
+        return before if self.role.terminal else self.lift(before + self.symbols["arms_step"])
+
+    def arms_after(self, since: Any) -> Carried | None:
+        """The free arms so long after the knot, s."""
+        if self.model.arms is None:
+            return None
+        angles = self.lift(self.arm_angles + self.arm_rates * since)
+        return self.model.arms.carried(angles, self.arm_rates, self.lift)
+
+    @cached_property
+    def arms_at_knot(self) -> Carried | None:
+        """The free arms at the knot."""
+        return self.arms_after(0)
+
+    @cached_property
+    def arms_mid(self) -> Carried | None:
+        """The free arms at the interval's midpoint."""
+        return self.arms_after(self.dt / 2)
 
     def _width(self, name: str) -> int:
         return 3 * self.layout.corners if "force" in name else self.layout.foot_coordinates

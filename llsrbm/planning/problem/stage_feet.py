@@ -7,6 +7,7 @@ from typing import Any
 
 import casadi as ca
 
+from llsrbm.models.arms import Carried
 from llsrbm.planning.problem.rotations import (
     across,
     heading_rate,
@@ -33,12 +34,13 @@ class StageFeet(StageBody):
     def offset(self) -> Any:
         """o at the knot, (3, 1) m."""
         if len(self.role.in_air) == self.layout.legs:
-            return self.lift(self.model.base_offset(self.feet_in_hip))
+            return self.lift(self.model.base_offset(self.feet_in_hip, self.arms_at_knot))
         return self._placed_at_knot[1]
 
     @cached_property
     def _placed_at_knot(self) -> tuple[Any, Any, dict[int, Any]]:
-        return self._placed(self.R_world_base, self.position, self.of_legs("feet"))
+        feet, arms = self.of_legs("feet"), self.arms_at_knot
+        return self._placed(self.R_world_base, self.position, feet, arms)
 
     @cached_property
     def feet_velocity(self) -> dict[int, Any]:
@@ -75,12 +77,15 @@ class StageFeet(StageBody):
         """The foot's yaw against the base at the knot, rad, base axes."""
         return self.model.turn_mirrors[leg] * self.feet_in_hip[3, leg]
 
-    def _placed(self, R: Any, position: Any, in_air: dict[int, Any]) -> tuple[Any, Any, Any]:
+    def _placed(
+        self, R: Any, position: Any, in_air: dict[int, Any], arms: Carried | None
+    ) -> tuple[Any, Any, Any]:
         """x (d, L), o (3, 1), and leg -> beta (d, 1) of the feet that stand.
 
         Args:
             R, position: of base and CoM.
             in_air: leg -> x_i of the feet that do not.
+            arms: if they are free.
         """
         standing = [leg for leg in range(self.layout.legs) if leg not in in_air]
         lift = ca.vertcat(0, 0, self.model.foot_lift)
@@ -89,7 +94,7 @@ class StageFeet(StageBody):
         if self.layout.foot_coordinates > 3:
             for i, direction in self._across(R, standing).items():
                 beta[i] = ca.vertcat(beta[i], self.lift(relative_yaw(direction)))
-        o = self.lift(self.model.offset_map(tuple(standing))(beta | in_air))
+        o = self.lift(self.model.offset_map(tuple(standing))(beta | in_air, arms))
         x = [
             in_air[i] if i in in_air else self.lift(self.model.foot_in_hip(i, beta[i], o))
             for i in range(self.layout.legs)
@@ -107,8 +112,8 @@ class StageFeet(StageBody):
     @cached_property
     def feet_mid(self) -> tuple[Any, Any, Any, Any]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at the midpoint."""
-        rate, velocity = self.rotation_rate, self.velocity_mid_base
-        return self._moving(self.R_world_base_mid, self.position_mid, velocity, rate, self.dt / 2)
+        body = self.R_world_base_mid, self.position_mid, self.velocity_mid_base, self.rotation_rate
+        return self._moving(*body, self.dt / 2, self.arms_mid)
 
     @cached_property
     def feet_at_begin(self) -> tuple[Any, Any]:
@@ -116,7 +121,7 @@ class StageFeet(StageBody):
         R = self.R_world_base
         velocity, rate = ca.mtimes(R.T, self.velocity), self._rotation_rate_at(R, self.momentum)
         velocity, rate = self.lift(velocity), self.lift(rate)
-        return self._moving(R, self.position, velocity, rate, 0)[:2]
+        return self._moving(R, self.position, velocity, rate, 0, self.arms_at_knot)[:2]
 
     @cached_property
     def feet_at_end(self) -> tuple[Any, Any]:
@@ -125,7 +130,8 @@ class StageFeet(StageBody):
         momentum = self.momentum + self.moment * self.dt
         velocity, rate = ca.mtimes(R.T, self.velocity_end), self._rotation_rate_at(R, momentum)
         velocity, rate = self.lift(velocity), self.lift(rate)
-        return self._moving(R, self.lift(self.position_end), velocity, rate, self.dt)[:2]
+        position, arms = self.lift(self.position_end), self.arms_after(self.dt)
+        return self._moving(R, position, velocity, rate, self.dt, arms)[:2]
 
     def _rotation_rate_at(self, R: Any, momentum: Any) -> Any:
         """omega of the base at an end of the interval, (3, 1) rad/s, base axes.
@@ -138,12 +144,18 @@ class StageFeet(StageBody):
             momentum: L / m there, (3, 1) m2/s.
         """
         x, _, o, _ = self.feet_mid
-        inertia = self.lift(self.model.inertia(x, o) / self.model.mass)
+        inertia = self.lift(self.model.inertia(x, o, self.arms_mid) / self.model.mass)
         change = self.lift(ca.mtimes(R.T, momentum) - self.momentum_mean_base)
         return self.rotation_rate + ca.mtimes(ca.inv_minor(inertia), change)
 
     def _moving(
-        self, R: Any, position: Any, velocity: Any, turning: Any, since: Any
+        self,
+        R: Any,
+        position: Any,
+        velocity: Any,
+        turning: Any,
+        since: Any,
+        arms: Carried | None,
     ) -> tuple[Any, ...]:
         """x (d, L), xdot (d, L), o (3, 1) and odot (3, 1) at an instant of the interval.
 
@@ -151,6 +163,7 @@ class StageFeet(StageBody):
             R, position: of base and CoM at that instant.
             velocity, turning: of the CoM, and omega of the base, base axes.
             since: time since the knot, s.
+            arms: if they are free.
         """
         legs, model = range(self.layout.legs), self.model
         xdot, in_air = {}, {}
@@ -163,14 +176,14 @@ class StageFeet(StageBody):
             xdot = dict(zip(self.role.swinging, ca.horzsplit(rate), strict=True))
             in_air = dict(zip(self.role.swinging, ca.horzsplit(place), strict=True))
         if not self.role.standing:
-            o_rate = self.lift(model.offset_map(()).rate(xdot))
-            return place, rate, self.lift(model.base_offset(place)), o_rate
-        x, o, beta = self._placed(R, position, in_air)
+            o_rate = self.lift(model.offset_map(()).rate(xdot, arms))
+            return place, rate, self.lift(model.base_offset(place, arms)), o_rate
+        x, o, beta = self._placed(R, position, in_air, arms)
         seen = {i: -velocity - ca.cross(turning, b[:3]) for i, b in beta.items()}
         for i, direction in self._across(R, list(beta)).items():
             turn = relative_yaw_rate(direction, turning)
             seen[i] = ca.vertcat(seen[i], turn)
-        o_rate = self.lift(model.offset_map(tuple(beta)).rate(seen | xdot))
+        o_rate = self.lift(model.offset_map(tuple(beta)).rate(seen | xdot, arms))
         for i, rate in seen.items():
             xdot[i] = self.lift(model.foot_rate_in_hip(i, rate, o_rate))
         return x, ca.horzcat(*(xdot[i] for i in legs)), o, o_rate
@@ -221,7 +234,8 @@ class StageFeet(StageBody):
             seen = {i: -velocity - ca.cross(self.rotation_rate, beta[i][:3]) for i in standing}
             for i, direction in self._across(self.R_world_base, standing).items():
                 seen[i] = ca.vertcat(seen[i], relative_yaw_rate(direction, self.rotation_rate))
-        o_rate = self.model.offset_map(tuple(standing)).rate(seen | self.feet_velocity)
+        rates = seen | self.feet_velocity
+        o_rate = self.model.offset_map(tuple(standing)).rate(rates, self.arms_at_knot)
         return ca.horzcat(
             *(
                 velocity

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.models import free_arms_of
 from llsrbm.models.drives import near_stops
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement
@@ -96,6 +97,7 @@ class InMotion:
         feet, feet_velocity: (L, d) x_i m, rad and their rates (`llsrbm.models.base`).
         heights: (L,) m, of the feet in the world.
         begun: (L,) shares of the feet's swings that are over; 0 of feet that stand.
+        arms: (A n,) rad and rad/s of the arms' joints.
     """
 
     momentum: Array
@@ -103,6 +105,7 @@ class InMotion:
     feet_velocity: Array
     heights: Array
     begun: Array
+    arms: tuple[Array, Array]
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,9 +191,17 @@ class Task:
 
     @cached_property
     def stopped_joints(self) -> NDArray[np.int64]:
-        """(n,) places among `joint_names` of joints that may come near a stop."""
-        found: NDArray[np.int64] = self.robot.leg_joint_index[near_stops(self.robot)]
+        """(n,) places among `joint_names` of joints that may come near a stop: of arms all."""
+        legs = self.robot.leg_joint_index[near_stops(self.robot)]
+        found: NDArray[np.int64] = np.concatenate([legs, self.free_arms])
         return found
+
+    @cached_property
+    def free_arms(self) -> NDArray[np.int64]:
+        """(A n,) places among `joint_names` of the joints of free arms."""
+        free = free_arms_of(self.jump, self.robot)
+        index: NDArray[np.int64] = self.robot.arm_joint_index
+        return index if free else index[:0]
 
     @cached_property
     def lowest_hips(self) -> float:

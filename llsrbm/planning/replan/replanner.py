@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import GRAVITY, sign_continuous
-from llsrbm.models import make_model
+from llsrbm.models import free_arms_of, make_model
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate, Solution
@@ -108,7 +108,8 @@ class Replanner:
         jump = plan.jump
         self.plan = plan
         self._robot = robot.turning if jump.turns else robot
-        self._model = make_model(jump.model, self._robot)
+        free = free_arms_of(jump, self._robot)
+        self._model = make_model(jump.model, self._robot, free_arms=free)
         task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
         self._task = relaxed_limits(task)
         self.in_flight = not task.clears
@@ -176,6 +177,7 @@ class Replanner:
             NOMINAL_PHASES * STANCE_INTERVALS,
             self._robot.foot_coordinates,
             turns=self._task.jump.turns,
+            arm_joints=len(self._task.free_arms),
         )
         return _kept(self._robot, self._task.jump.model, layout)
 
@@ -191,6 +193,8 @@ class Replanner:
         least = max(least, SHORTEST)
         rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
         R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
+        index = task.free_arms
+        arms = state.joints[index], state.joint_speeds[index]
         x, xdot = feet_seen(self._model)(
             R_base_world.T,
             state.com,
@@ -200,6 +204,7 @@ class Replanner:
             state.foot_velocity.T,
             state.foot_yaw,
             state.foot_yaw_rate,
+            *(arms if len(index) else ()),
         )
         motion = InMotion(
             momentum=state.angular_momentum,
@@ -207,6 +212,7 @@ class Replanner:
             feet_velocity=np.array(xdot).T,
             heights=state.foot_position[:, 2],
             begun=self._begun(state),
+            arms=arms,
         )
         places, goal = self._places(state)
         # The goal's sign is that of the way there.
@@ -276,7 +282,7 @@ class Replanner:
         # Of the plan: a flight that takes longer is as far at the same share of it.
         times = starts[layout.phase] + layout.progress * np.diff(starts)[layout.phase]
         since = layout.progress * durations[0]
-        com, velocity, momentum, quat, omega, feet = (
+        com, velocity, momentum, quat, omega, feet, joints = (
             interpolated(plan.time, values, times)
             for values in (
                 plan.com,
@@ -285,6 +291,7 @@ class Replanner:
                 plan.base_quat,
                 plan.angular_velocity,
                 plan.foot_in_hip,
+                plan.joint_position,
             )
         )
         shift = np.zeros(3)
@@ -304,6 +311,9 @@ class Replanner:
         rate = np.concatenate(
             [task.motion.feet_velocity[None], np.diff(feet, axis=0) / steps[:, None, None]]
         )
+        arms = joints[:, task.free_arms]
+        arms[0], speeds = task.motion.arms
+        arm_rate = np.concatenate([speeds[None], np.diff(arms, axis=0) / steps[:, None]])
         quat = sign_continuous(quat / np.linalg.norm(quat, axis=1, keepdims=True))
         quat = quat * (np.sign(quat[0] @ task.start_quat) or 1.0)
         R = Rotation.from_quat(quat, scalar_first=True)
@@ -318,6 +328,8 @@ class Replanner:
             rotation_rate=R.inv().apply(omega),
             feet=feet,
             feet_velocity=rate,
+            arms=arms,
+            arms_velocity=arm_rate,
             force=force,
             landing_force=force[first],
             shift=shift[:2],
@@ -368,7 +380,7 @@ class Replanner:
 @lru_cache(maxsize=12)
 def _kept(robot: Robot, model: str, layout: Layout) -> Formulation:
     """Of all jumps in a row, such as a table's."""
-    made = make_model(model, robot)
+    made = make_model(model, robot, free_arms=layout.arm_joints > 0)
     return Formulation(
         robot, made, layout, cached_solver(solvers.Fatrop, of_jumps(made, layout, robot))
     )

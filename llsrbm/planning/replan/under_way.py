@@ -30,6 +30,7 @@ class State:
         angular_momentum: (3,) kg m2/s about the CoM.
         foot_position, foot_velocity: (L, 3) m, m/s.
         foot_yaw, foot_yaw_rate: (L,) rad, rad/s: headings of soles; zeros of points.
+        joints, joint_speeds: (J,) rad and rad/s, of which those of arms count.
     """
 
     time: float
@@ -43,6 +44,8 @@ class State:
     foot_velocity: Array
     foot_yaw: Array
     foot_yaw_rate: Array
+    joints: Array
+    joint_speeds: Array
 
 
 def planned_state(plan: Plan, phase: int) -> State:
@@ -62,6 +65,10 @@ def planned_state(plan: Plan, phase: int) -> State:
         foot_velocity=np.zeros_like(plan.foot_position[k]),
         foot_yaw=2 * np.arctan2(z, w),
         foot_yaw_rate=np.zeros(len(w)),
+        joints=plan.joint_position[k],
+        joint_speeds=np.zeros_like(plan.joint_position[k])
+        if plan.joint_velocity is None
+        else plan.joint_velocity[k],
     )
 
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import GRAVITY
-from llsrbm.models.base import CentroidalModel
+from llsrbm.models.base import CentroidalModel, no_lift
 from llsrbm.planning.problem.foot_clearance import ground_line
 from llsrbm.planning.problem.knots import Sampled, pack
 from llsrbm.planning.problem.layout import Layout
@@ -60,7 +60,11 @@ def analytic_guess(
         rate[lift + 1 : touch + 1, leg] = rates
     first_flight = int(layout.first_knots[task.schedule.flights[0]])
     x = ca.DM(feet[first_flight].T)
-    lift_off = np.array(ca.DM(model.inertia(x, model.base_offset(x))))
+    arms = None
+    if model.arms is not None:
+        angles = ca.SX(ca.DM(model.arms.at_rest))
+        arms = model.arms.carried(angles, 0 * angles, no_lift)
+    lift_off = np.array(ca.DM(model.inertia(x, model.base_offset(x, arms), arms)))
     return pack(
         layout,
         Sampled(
@@ -74,11 +78,19 @@ def analytic_guess(
             rotation_rate=np.array([body.rotation_rate for body in knots]),
             feet=feet,
             feet_velocity=rate,
+            **arms_still(task, layout),
             force=_carrying(layout, knots),
             landing_force=_upwards(layout, np.full(layout.legs, LANDING_LOAD)),
             shift=np.zeros(2),
         ),
     )
+
+
+def arms_still(task: Task, layout: Layout) -> dict[str, Array]:
+    """Free arms as they hang, of a motion at all knots."""
+    angles = task.robot.arm_angles[: layout.arm_joints]
+    still = np.zeros((layout.knots, layout.arm_joints))
+    return {"arms": still + angles, "arms_velocity": still}
 
 
 def _carrying(layout: Layout, knots: list[_Body]) -> Array:
@@ -310,6 +322,7 @@ def _flying_foot(
 def _seen(model: CentroidalModel, R: Array, position: Array, feet: Array, heading: Array) -> Array:
     """x (K, L, d) of feet (K, L, 3) m with headings (K, L) rad, from R (K, 3, 3) and r (K, 3)."""
     still, rest = ca.DM.zeros(3), ca.DM.zeros(3, model.legs)
+    arms = () if model.arms is None else (model.arms.at_rest, 0 * model.arms.at_rest)
     x, _ = feet_seen(model)(
         np.hstack(list(R)),
         position.T,
@@ -319,6 +332,7 @@ def _seen(model: CentroidalModel, R: Array, position: Array, feet: Array, headin
         rest,
         heading.T,
         ca.DM.zeros(model.legs),
+        *arms,
     )
     return np.array(x).T.reshape(*feet.shape[:2], -1)
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 
 from llsrbm.errors import InputError
-from llsrbm.models import check_name, make_model
+from llsrbm.models import check_name, free_arms_of, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import NEAREST
@@ -80,8 +80,8 @@ class Planner:
         check_name(model)
         kind = solvers.by_name(solver)
         when_idle()
-        made = make_model(model, robot)
-        layout = layout or layout_of(Jump(robot=robot.name), robot)
+        layout = layout or layout_of(Jump(robot=robot.name, model=model), robot)
+        made = make_model(model, robot, free_arms=layout.arm_joints > 0)
         self.formulation = Formulation(
             robot, made, layout, cached_solver(kind, of_jumps(made, layout, robot))
         )
@@ -326,6 +326,7 @@ def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
         robot.foot_coordinates,
         clears=load_type(jump.type).clears,
         turns=jump.turns,
+        arm_joints=len(robot.arm_joint_index) if free_arms_of(jump, robot) else 0,
     )
 
 

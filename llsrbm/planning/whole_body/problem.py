@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.models.rigid_bodies import RigidBodies
 from llsrbm.ocp.horizon import Horizon, Problem, Run
 from llsrbm.planning.whole_body.grid import EQUALITIES, NODES, Grid, Knot, Sizes, parts, units
-from llsrbm.planning.whole_body.rigid_bodies import RigidBodies
 from llsrbm.planning.whole_body.stage import stage_expressions
 from llsrbm.planning.whole_body.start import Start
 from llsrbm.robots.robot import Robot

@@ -14,6 +14,7 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.mechanics import GRAVITY, INSCRIBED
+from llsrbm.models.rigid_bodies import Effort, RigidBodies, cross
 from llsrbm.ocp.horizon import Row, StageExpressions
 from llsrbm.ocp.lifting import Lifting
 from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
@@ -26,7 +27,6 @@ from llsrbm.planning.whole_body.grid import (
     parts,
     units,
 )
-from llsrbm.planning.whole_body.rigid_bodies import Effort, RigidBodies, cross
 
 SCALE = 1e-3  # of the cost
 # What a variable may differ from the plan's for a cost of 1; joint accelerations from zero.

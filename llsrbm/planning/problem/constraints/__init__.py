@@ -16,6 +16,7 @@ from llsrbm.planning.problem.constraints.given_up import GivenUp
 from llsrbm.planning.problem.constraints.knees import KneeHeight, LegsApart
 from llsrbm.planning.problem.constraints.motion import (
     MOMENTUM_BALANCE,
+    ArmsAtRest,
     FinalPlace,
     FinalState,
     PhaseTimes,
@@ -49,6 +50,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     *DRIVES,
     UprightLanding(),
     FinalState(),
+    ArmsAtRest(),
     FinalPlace(),
     GivenUp(),
     TrueTurn(),

@@ -58,12 +58,16 @@ class DriveConstraint(AgreedConstraint):
     edge_reserve: ClassVar[float] = 0.0
 
     def rows(self, stage: Stage) -> Any:
-        """(n (L + settling + beside a swing), 1)."""
-        return _tamed(ca.vec(self.shares(stage)))
+        """(n (L + settling + beside a swing) + A n, 1)."""
+        return _tamed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
 
     @abstractmethod
     def shares(self, stage: Stage) -> Any:
         """(n, L + settling + beside a swing) what is bounded."""
+
+    @abstractmethod
+    def arm_shares(self, stage: Stage) -> Any:
+        """(A n, 1) likewise, of free arms."""
 
     @abstractmethod
     def tops(self, task: Task) -> Array:
@@ -74,16 +78,19 @@ class DriveConstraint(AgreedConstraint):
         legs = task.robot.leg_joint_index
         landing, beside = self._further_legs(layout.roles[knot])
         joints = np.concatenate([legs.ravel(), legs[list(landing)].ravel()])
-        edges = legs[list(beside)].ravel()
+        edges, arms = legs[list(beside)].ravel(), task.free_arms
         if self.name in task.agreed_bounds:
             shifted = task.agreed_bounds[self.name]
             lower, upper = (
-                np.append(ends[knot, MIDDLE, joints], ends[knot, EDGE, edges])
+                np.concatenate(
+                    [ends[knot, MIDDLE, joints], ends[knot, EDGE, edges], ends[knot, MIDDLE, arms]]
+                )
                 for ends in (shifted.lower, shifted.upper)
             )
             return _tamed(lower, np.sqrt), _tamed(upper, np.sqrt)
-        tops = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
-        top = _tamed(np.repeat(tops, [len(joints), len(edges)]), np.sqrt)
+        middle, edge = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
+        tops = np.repeat([middle, edge, middle], [len(joints), len(edges), len(arms)])
+        top = _tamed(tops, np.sqrt)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
@@ -144,17 +151,18 @@ class DriveConstraint(AgreedConstraint):
 
     def _row_shares(self, knots: Knots) -> tuple[Array, Array]:
         """(N+1, 2, J) by the rows, and (N, J) as the last interval of a swing ends; else NaN."""
-        legs = knots.task.robot.leg_joint_index
-        shares = np.full((len(knots.time), 2, legs.size), np.nan)
-        settled = np.full((len(knots.dt), legs.size), np.nan)
+        legs, arms = knots.task.robot.leg_joint_index, knots.task.free_arms
+        shares = np.full((len(knots.time), 2, knots.task.joints), np.nan)
+        settled = np.full((len(knots.dt), knots.task.joints), np.nan)
         if (rows := knots.rows.get(self)) is not None:
             for knot in np.unique(rows.knot):
                 values = _untamed(rows.values[rows.knot == knot])
                 landing, beside = self._further_legs(knots.layout.roles[knot])
                 ends, edges = legs[list(landing)].ravel(), legs[list(beside)].ravel()
-                parts = np.split(values, [legs.size, legs.size + ends.size])
+                parts = np.split(values, np.cumsum([legs.size, ends.size, edges.size]))
                 shares[knot, MIDDLE, legs.ravel()] = parts[0]
                 shares[knot, EDGE, edges] = parts[2]
+                shares[knot, MIDDLE, arms] = parts[3]
                 if knot < len(settled):
                     settled[knot, ends] = parts[1]
         return shares, settled
@@ -181,7 +189,7 @@ def _untamed(row: Array) -> Array:
 
 
 def _swings_on(knots: Knots) -> NDArray[np.bool_]:
-    """(N, 2, J) joints of legs that swing over an interval and the next one.
+    """(N, 2, J) joints of limbs that swing over an interval and the next one.
 
     Their rows are as an interval begins, the check is in its middle.
     """
@@ -190,6 +198,7 @@ def _swings_on(knots: Knots) -> NDArray[np.bool_]:
     joints = np.zeros((len(on), 2, knots.task.joints), dtype=bool)
     for leg, mine in enumerate(knots.task.robot.leg_joint_index):
         joints[:, MIDDLE, mine] = on[:, [leg]]
+    joints[:-1, MIDDLE, knots.task.free_arms] = True
     return joints
 
 

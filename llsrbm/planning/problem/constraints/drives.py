@@ -78,6 +78,9 @@ class JointTorque(DriveConstraint):
         """Torques as shares of their limits."""
         return stage.joint_torques
 
+    def arm_shares(self, stage: Stage) -> Any:
+        return stage.arm_torques
+
     def tops(self, task: Task) -> Array:
         """The robot file's share."""
         return np.full(2, task.limits.torque_share)
@@ -117,6 +120,9 @@ class TorqueAtSpeed(JointTorque):
         if not beside:
             return sums
         return ca.horzcat(sums, torques[:, beside] + stage.edge_rates / limit[:, beside])
+
+    def arm_shares(self, stage: Stage) -> Any:
+        return FALL * stage.arm_torques / stage.parameters["torque_share"] + stage.arm_speeds
 
     def tops(self, task: Task) -> Array:
         return np.ones(2)
@@ -168,6 +174,9 @@ class JointSpeed(DriveConstraint):
         limit, beside = ca.DM(stage.model.drives.speed_limit.T), list(stage.role.beside_swing)
         shares = stage.joint_rates / limit
         return ca.horzcat(shares, stage.edge_rates / limit[:, beside]) if beside else shares
+
+    def arm_shares(self, stage: Stage) -> Any:
+        return stage.arm_speeds
 
     def tops(self, task: Task) -> Array:
         """The robot file's share, and more of it at edges."""

@@ -90,6 +90,29 @@ class FinalState(Constraint):
         return out
 
 
+class ArmsAtRest(Constraint):
+    """Free arms end as they hang in the default posture, at rest."""
+
+    name = "arms_at_rest"
+    unit = "rad, rad/s"
+    equality = True
+
+    def concerns(self, task: Task) -> bool:
+        """True if the robot has arms that are free."""
+        return len(task.free_arms) > 0
+
+    def applies(self, role: Role) -> bool:
+        """At the end."""
+        return role.terminal and role.moves_arms
+
+    def rows(self, stage: Stage) -> Any:
+        """(2 A n, 1) rad, rad/s."""
+        return ca.vertcat(stage.arm_angles - stage.parameters["goal_arms"], stage.arm_rates)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        return (np.zeros(2 * layout.arm_joints),) * 2
+
+
 class FinalPlace(Constraint):
     """A motion planned anew ends with its CoM well inside of where its feet stand."""
 

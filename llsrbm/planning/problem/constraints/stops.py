@@ -34,8 +34,9 @@ AGAIN_SHARE = 0.7
 class JointStops(AgreedConstraint):
     """lower + margin <= q(x) <= upper - margin, of joints that may come near a stop at all.
 
-    Angles are closed forms or fits of a foot's place (`llsrbm.models.leg_drives`). The check is by
-    Pinocchio, at the knots and half way between them, and allows the margin.
+    Angles are closed forms or fits of a foot's place (`llsrbm.models.leg_drives`), of free arms
+    variables, which also stay within [arm_reach] of the robot's file. The check is by Pinocchio, at
+    the knots and half way between them, and allows the margin.
     """
 
     name = "joint_stops"
@@ -67,7 +68,7 @@ class JointStops(AgreedConstraint):
         angles = ca.vertcat(
             *(leg.angles(stage.feet_in_hip[:, i]) for i, leg in enumerate(drives.legs))
         )
-        return angles[np.flatnonzero(drives.may_stop).tolist()]
+        return ca.vertcat(angles[np.flatnonzero(drives.may_stop).tolist()], stage.arm_angles)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Within the stops by the margin, or where the whole body keeps to it."""
@@ -158,7 +159,10 @@ def _ends(task: Task) -> tuple[Array, Array]:
     """(J,) lower and upper ends that plans keep to, rad or m."""
     lower, upper = task.robot.joint_stops
     margin = task.limits.stop_margin * (upper - lower)
-    return lower + margin, upper - margin
+    lower, upper = lower + margin, upper - margin
+    arms, (low, high) = task.robot.arm_joint_index, task.robot.arm_ends
+    lower[arms], upper[arms] = np.maximum(lower[arms], low), np.minimum(upper[arms], high)
+    return lower, upper
 
 
 def _need(knots: Knots, joint: int, needed: float, has: float, interval: int) -> JointNeed:

@@ -48,6 +48,8 @@ def state(time, phase, *, velocity=(0.0, 0.0, 0.0), momentum=(0.0, 0.0, 0.0)):
         foot_velocity=(after - before) / (2 * SLOWER) + velocity,
         foot_yaw=np.zeros(4),
         foot_yaw_rate=np.zeros(4),
+        joints=interpolated(of.time, of.joint_position, time),
+        joint_speeds=interpolated(of.time, of.joint_velocity, time),
     )
 
 

@@ -6,7 +6,7 @@ place and velocity do not enter the dynamics, so they are left out of them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -60,6 +60,15 @@ class Foot(NamedTuple):
     omega: Any  # (3,) rad/s, in the world
 
 
+class Moving(NamedTuple):
+    """A link in motion."""
+
+    rotation: Any  # (3, 3) to base axes
+    position: Any  # (3,) m, of its joint, base axes, from the base's origin
+    velocity: Any  # (3,) m/s, of its joint, in the world, the link's axes
+    omega: Any  # (3,) rad/s, in the world, the link's axes
+
+
 class Effort(NamedTuple):
     """Torques, and the force and moment that the base lacks; zero where the motion is possible."""
 
@@ -97,24 +106,50 @@ class RigidBodies:
         """
         found = []
         for carrier, placed in zip(self._carries, self._placed, strict=True):
-            R, p, w, v = ca.SX.eye(3), ca.SX.zeros(3), omega, base_velocity
-            for i in self._chain(carrier):
-                link = self._links[i]
-                turn, arm = _rotation(link, position), _arm(link, position)
-                p, R = p + ca.mtimes(R, arm), ca.mtimes(R, turn)
-                v, w = ca.mtimes(turn.T, v + cross(w, arm)), ca.mtimes(turn.T, w)
-                moves = ca.DM(link.axis) * velocity[link.joint]
-                v, w = (v + moves, w) if link.slides else (v, w + moves)
-            arm = ca.DM(placed.translation)
+            base = Moving(ca.SX.eye(3), ca.SX.zeros(3), base_velocity, omega)
+            *_, last = self.moving(self.chain(carrier), position, velocity, base)
+            R, arm = last.rotation, ca.DM(placed.translation)
             found.append(
                 Foot(
-                    position=p + ca.mtimes(R, arm),
-                    velocity=ca.mtimes(R, v + cross(w, arm)),
+                    position=last.position + ca.mtimes(R, arm),
+                    velocity=ca.mtimes(R, last.velocity + cross(last.omega, arm)),
                     rotation=ca.mtimes(R, _constant(placed.rotation)),
-                    omega=ca.mtimes(R, w),
+                    omega=ca.mtimes(R, last.omega),
                 )
             )
         return found
+
+    def moving(
+        self, chain: Sequence[int], position: Any, velocity: Any, base: Moving
+    ) -> Iterator[Moving]:
+        """The links of a `chain` in motion, base outwards.
+
+        Args:
+            chain: their joints, Pinocchio's indices.
+            position, velocity: (J,) of the joints.
+            base: what the first one hangs on.
+        """
+        R, p, v, w = base
+        for i in chain:
+            link = self._links[i]
+            turn, arm = _rotation(link, position), _arm(link, position)
+            p, R = p + ca.mtimes(R, arm), ca.mtimes(R, turn)
+            v, w = ca.mtimes(turn.T, v + cross(w, arm)), ca.mtimes(turn.T, w)
+            moves = ca.DM(link.axis) * velocity[link.joint]
+            v, w = (v + moves, w) if link.slides else (v, w + moves)
+            yield Moving(R, p, v, w)
+
+    def numbers(self, joints: Sequence[int]) -> list[Any]:
+        """Everything of some joints and their links, for keys of caches."""
+        plain = []
+        for link in (self._links[i] for i in joints):
+            frame = link.axis, link.rotation, link.origin
+            plain.append([np.asarray(v).round(9).tolist() for v in (*frame, *link.own)])
+        return plain
+
+    def mass(self, joint: int) -> Mass:
+        """Of the link that hangs on a joint, Pinocchio's index."""
+        return self._links[joint].own
 
     def inverse_dynamics(
         self,
@@ -127,6 +162,7 @@ class RigidBodies:
         up: Any,
         forces: Mapping[int, Sequence[Any]],
         mark: Mark = lambda quantity: quantity,
+        joints: Sequence[int] | None = None,
     ) -> Effort:
         """Torques of a motion under contact forces.
 
@@ -137,12 +173,14 @@ class RigidBodies:
             up: (3,) the world's upward direction, base axes.
             forces: leg -> force on each of its contact points, (3,) N, base axes.
             mark: called with intermediate quantities.
+            joints: whole limbs that are looked at, Pinocchio's indices; None: all.
         """
+        chosen = self._links if joints is None else {i: self._links[i] for i in joints}
         w, dw, a = {BASE_JOINT: omega}, {BASE_JOINT: omega_rate}, {BASE_JOINT: base_acceleration}
         turns: dict[int, Any] = {}
         arms: dict[int, Any] = {}
         in_base: dict[int, Any] = {}
-        for i, link in self._links.items():
+        for i, link in chosen.items():
             turn, arm, parent = _rotation(link, position), _arm(link, position), link.parent
             turns[i], arms[i] = turn, arm
             in_base[i] = turn if parent == BASE_JOINT else ca.mtimes(in_base[parent], turn)
@@ -160,7 +198,7 @@ class RigidBodies:
                 dw[i] = mark(turning_rate + more + cross(w[i], speed))
                 a[i] = mark(carried)
         force, moment = {}, {}
-        for i, own in ((BASE_JOINT, self._base), *((i, x.own) for i, x in self._links.items())):
+        for i, own in ((BASE_JOINT, self._base), *((i, x.own) for i, x in chosen.items())):
             force[i], moment[i] = _inertial(own, w[i], dw[i], a[i])
         for leg, pushes in forces.items():
             carrier = self._carries[leg]
@@ -170,7 +208,7 @@ class RigidBodies:
                 force[carrier] -= here
                 moment[carrier] -= cross(ca.DM(corner) - below, here)
         torque = [ca.SX(0)] * len(self._links)
-        for i, link in reversed(self._links.items()):
+        for i, link in reversed(chosen.items()):
             force[i], moment[i] = mark(force[i]), mark(moment[i])
             torque[link.joint] = ca.dot(ca.DM(link.axis), force[i] if link.slides else moment[i])
             handed = ca.mtimes(turns[i], force[i])
@@ -178,8 +216,8 @@ class RigidBodies:
             moment[link.parent] += ca.mtimes(turns[i], moment[i]) + cross(arms[i], handed)
         return Effort(ca.vertcat(*torque), force[BASE_JOINT], moment[BASE_JOINT])
 
-    def _chain(self, carrier: int) -> list[int]:
-        """Pinocchio's indices of the joints from the base to the link that carries a foot."""
+    def chain(self, carrier: int) -> list[int]:
+        """Pinocchio's indices of the joints from the base to a link."""
         chain = []
         while carrier != BASE_JOINT:
             chain.append(carrier)

@@ -5,7 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.planning.whole_body.rigid_bodies import RigidBodies
+from llsrbm.models.rigid_bodies import RigidBodies
 from llsrbm.robots import load_robot, names
 
 UP = ca.DM([0, 0, 1])
