@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.look.visuals import forward_kinematics
 from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.motion.whole_body import WholeBodyMotion
@@ -37,6 +38,8 @@ class Frames:
     contact: NDArray[np.bool_]  # (F, L) whether a foot does stand
     contact_point: Array  # (F, L, c, 3) m: of a point foot, the foot
     angular_momentum: Array  # (F, 3) kg m2/s about the CoM
+    # (F, 3) m, (F, 4): ellipsoid of the inertia were the arms held; None: the robot has none
+    held_arms: tuple[Array, Array] | None = None
 
     @property
     def flight(self) -> NDArray[np.bool_]:
@@ -78,7 +81,18 @@ def make_frames(motion: WholeBodyMotion, schedule: Schedule | None = None) -> Fr
         contact=np.asarray(motion.contact, dtype=np.bool_),
         contact_point=_contact_points(motion, body_position, body_wxyz),
         angular_momentum=motion.angular_momentum,
+        held_arms=_with_held_arms(motion, base.as_matrix()) if robot.arms else None,
     )
+
+
+def _with_held_arms(motion: WholeBodyMotion, base: Array) -> tuple[Array, Array]:
+    """The ellipsoid of the whole body in the same postures, but for the arms."""
+    robot, joints = motion.robot, motion.joint_position.copy()
+    joints[:, robot.arm_joint_index] = robot.arm_angles
+    _, inertia = momentum_and_inertia(
+        robot, joints, np.zeros_like(joints), np.zeros((len(base), 3))
+    )
+    return ellipsoid(base @ inertia @ base.transpose(0, 2, 1), robot.mass, base)
 
 
 def _contact_points(motion: WholeBodyMotion, body_position: Array, body_wxyz: Array) -> Array:

@@ -46,6 +46,11 @@ class Act(Enum):
         "Against another model",
         "Simulate the push on an SRBM plan too (on LL-SRBM+ if this is one)",
     )
+    COMPARE_ARMS = Button(
+        "push",
+        "With free and held arms",
+        "Simulate the push with arms that move and with held ones, and play both side by side",
+    )
     SEEDS = Button(
         "seeds", "Simulate 20 seeds", "The same plan under 20 disturbances: how many land"
     )

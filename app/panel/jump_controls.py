@@ -1,4 +1,4 @@
-"""The controls of the jump: robot, model and type in menus, numbers by a table of sliders."""
+"""The controls of the jump: robot, model, type and arms in menus, numbers by a table of sliders."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from app.viser_private import uuid_of
 from llsrbm import models
 from llsrbm.planning.solve.guess_table import REQUEST
 from llsrbm.request import jump_types
-from llsrbm.request.jump import MOST_HOPS, Jump
+from llsrbm.request.jump import ARMS, MOST_HOPS, Jump
 from llsrbm.request.jump_types import JumpType
 from llsrbm.robots import Robot, RobotFile
 
@@ -89,7 +89,7 @@ See `app.tab.planning.feasible`.
 
 
 class JumpControls:
-    """Robot, model, type and sliders, added to the container that is open."""
+    """Robot, model, type, arms and sliders, added to the container that is open."""
 
     def __init__(
         self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile], acted: Put
@@ -114,6 +114,9 @@ class JumpControls:
             initial_value=title_of_type(jump.type),
             hint="Which feet push, fly and land when",
         )
+        self._fields = Fields(gui, jump, robots[jump.robot], acted, Act.JUMP)
+        self._arms = _arms_menu(robots)
+        self._fields.add([self._arms])
         self._turn = gui.add_dropdown(
             "Turn",
             turns_offered(jump_types.TYPE_PARAMETERS, jump_types.TYPE_PARAMETERS),
@@ -128,13 +131,17 @@ class JumpControls:
             hint="Refine plans on the equations of motion of every link",
         )
         self._whole_body.on_update(callback(acted, Act.WHOLE_BODY))
-        self._sliders = Fields(gui, jump, robots[jump.robot], acted, Act.JUMP)
-        self._sliders.add(SLIDERS)
+        self._fields.add(SLIDERS)
 
     @property
     def robot_and_model(self) -> tuple[Any, Any]:
         """Their menus, which stand in one row."""
         return self._robot, self._model
+
+    @property
+    def type_and_arms(self) -> tuple[Any, Any]:
+        """Likewise, of robots with arms."""
+        return self._type, self._fields.handle(self._arms)
 
     @property
     def whole_body(self) -> bool:
@@ -148,11 +155,11 @@ class JumpControls:
     @property
     def tinted(self) -> dict[str, str]:
         """Field of a request -> the uuid of its slider."""
-        return {name: uuid_of(self._sliders.handle(field)) for name, field in TINTED.items()}
+        return {name: uuid_of(self._fields.handle(field)) for name, field in TINTED.items()}
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request as the controls stand, else `current`, and what had to be corrected."""
-        jump, complaints = self._sliders.read(current, self._robots[current.robot])
+        jump, complaints = self._fields.read(current, self._robots[current.robot])
         robot = _named("Robot", self._robot.value, self._robot_titles, current.robot, complaints)
         model = _named("Model", self._model.value, self._model_titles, current.model, complaints)
         kinds = {title_of_type(name): name for name in (*self._types, current.type)}
@@ -176,7 +183,7 @@ class JumpControls:
         """Put the controls where a request has them, with the ranges of its robot."""
         put(self._robot, self._robots[jump.robot].title)
         put(self._model, _MODEL_TITLES.get(jump.model, jump.model))
-        self._sliders.show(jump, self._robots[jump.robot])
+        self._fields.show(jump, self._robots[jump.robot])
         self.show_type(jump)
 
     def show_type(self, jump: Jump) -> None:
@@ -187,7 +194,7 @@ class JumpControls:
         if turns:
             _put_among(self._turn, turns, turn_title(jump))
         self._turn.visible = bool(turns)
-        self._sliders.show_there(jump)
+        self._fields.show_there(jump)
 
     def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, Any]:
         """Pitch and roll, if the type asks for them and the menu does not show what they are."""
@@ -199,6 +206,18 @@ class JumpControls:
 
     def _turns(self, jump: Jump) -> tuple[str, ...]:
         return turns_offered(extra_fields(jump), self._robots[jump.robot].turning_axes)
+
+
+def _arms_menu(robots: Mapping[str, RobotFile]) -> Field[Jump]:
+    """Of robots with arms alone."""
+    return Field(
+        "Arms",
+        "Free to move and shape the inertia, or held as they hang",
+        get=lambda jump: jump.arms.capitalize(),
+        put=lambda jump, shown: replace(jump, arms=shown.lower()),
+        options=tuple(choice.capitalize() for choice in ARMS),
+        there=lambda jump: bool(robots[jump.robot].arms),
+    )
 
 
 def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:

@@ -101,6 +101,7 @@ class Panel:
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
             "menus": [uuid_of(menu) for menu in self.jump.robot_and_model],
+            "armed": [uuid_of(menu) for menu in self.jump.type_and_arms],
             "main": uuid_of(self.buttons[Act.SIMULATE]),
             "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }

@@ -56,6 +56,7 @@ def entries_of(robot: Robot, jump_type: str) -> tuple[Entry, ...]:
         *(
             Entry("weights", c.name, weights[c.name], 0.0, _LARGEST_WEIGHT, c.unit, c.effect)
             for c in COSTS
+            if c.concerns(robot)
         ),
         *(
             Entry(

@@ -135,10 +135,11 @@
   const row = (uuid) => `${MAIN} > :has([id$="${uuid}"])`;
   const button = (uuid) => `.mantine-Button-root[id="${uuid}"]`;
 
-  // `icons`, `format`, `save`: the first row; `menus`: two in a row; `nearest`: lies on the verdict
-  // before it, at the top right; `main`: to be pressed; `cancel` beside it, while there is something
-  // to cancel.
-  function arrangement({ icons, format, save, menus, nearest, main, cancel }) {
+  // `icons`, `format`, `save`: the first row; `menus`: two in a row; `armed`: likewise, while the
+  // second one is there; `nearest`: lies on the verdict before it, at the top right; `main`: to be
+  // pressed; `cancel` beside it, while there is something to cancel.
+  function arrangement({ icons, format, save, menus, armed, nearest, main, cancel }) {
+    const [type, arms] = armed, both = `${MAIN}:has([id$="${arms}"])`;
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
     return `
       ${icons.map(row).join()} { grid-column: span 2; }
@@ -152,6 +153,10 @@
       ${row(menus[0])} { grid-column: span 10; }
       ${row(menus[1])} { grid-column: span 10; }
       ${field(menus[0])}, ${field(menus[1])} { width: 2.9rem !important; padding-right: 0; }
+      ${both} > :has([id$="${type}"]) { grid-column: span 12; }
+      ${row(arms)} { grid-column: span 8; }
+      ${field(arms)} { width: 2.9rem !important; padding-right: 0; }
+      ${both} ${FIELD}:has([for$="${type}"]) { width: 4.2rem !important; padding-right: 0; }
       ${row(nearest)} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
       ${button(nearest)} { position: absolute; right: 0; bottom: calc(${VERDICT} - 1.1rem);
         width: auto; height: 1.7rem; border-color: #d08a1d; }

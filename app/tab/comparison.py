@@ -14,7 +14,7 @@ from app.tab.pushing import replay_start
 from app.tab.simulating import simulate
 from app.tab.state import Comparison, Pin, TabState, free_colour
 from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import FREE, HELD, Jump
 
 _SIMPLE = "srbm"  # The model that others are compared with; it is compared with the default one
 
@@ -108,6 +108,12 @@ def compare_model(state: TabState) -> Step:
     return _compare(state, Comparison("model"))
 
 
+@on(Act.COMPARE_ARMS, visible=lambda state: _is_pushed(state) and bool(state.file.arms))
+def compare_arms(state: TabState) -> Step:
+    """Simulate plans with free and with held arms, and play both side by side."""
+    return _compare(state, Comparison("arms"))
+
+
 def _compare(state: TabState, comparison: Comparison) -> Step:
     """Simulate the design, unless that simulation is shown, and then with the one change."""
     if state.plan is None or state.planning or not state.ready:
@@ -131,8 +137,12 @@ def go_on(state: TabState, comparison: Comparison) -> Step:
         state = remember(state, replace(design, scenario=scenario), settled=True)
         state, effects = simulate(state)
         return state.with_work(replay_from=replay_start(state)), effects
-    model = Jump.model if design.jump.model == _SIMPLE else _SIMPLE
-    jump = replace(design.jump, model=model)
-    changed = replace(design, jump=jump, title="", note="")
+    changed = replace(design, jump=_changed(design.jump, comparison), title="", note="")
     state, effects = plan_design(remember(state, changed, settled=True))
     return state.with_work(simulate_next=0, replay_from=replay_start(state)), effects
+
+
+def _changed(jump: Jump, comparison: Comparison) -> Jump:
+    if comparison.by == "arms":
+        return replace(jump, arms=HELD if jump.arms == FREE else FREE)
+    return replace(jump, model=Jump.model if jump.model == _SIMPLE else _SIMPLE)

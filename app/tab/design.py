@@ -47,8 +47,11 @@ def choose_jump(state: TabState, jump: Jump) -> Step:
 def _on_another_robot(jump: Jump, state: TabState) -> Jump:
     """The robot's example; of another type than the examples are, the same request of it."""
     file = state.robots[jump.robot]
+    if not file.arms:
+        jump = replace(jump, arms=Jump.arms)
     if jump.type == jump_types.DEFAULT:
-        return Jump(robot=jump.robot, model=jump.model, **file.example.model_dump())
+        example = file.example.model_dump()
+        return Jump(robot=jump.robot, model=jump.model, arms=jump.arms, **example)
     ends = file.task.model_dump()
     within = {name: min(max(getattr(jump, name), low), high) for name, (low, high) in ends.items()}
     return replace(jump, **within)

@@ -139,9 +139,9 @@ def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The design simulated twice with one change: with and without replanning, or another model."""
+    """The design simulated twice with one change: with and without replanning, model or arms."""
 
-    by: Literal["replanning", "model"]
+    by: Literal["replanning", "model", "arms"]
 
 
 @dataclass(frozen=True, eq=False)

@@ -224,13 +224,13 @@ class CheckMotion(Task):
         return Checked(talk.job, planner.check(self, talk.progress))
 
 
-Solver = tuple[str, str, str, int]
-"""Requests that one solver works on: robot, model, jump type and hops, which make the phases."""
+Solver = tuple[str, str, str, int, str]
+"""Requests that one solver works on: robot, model, jump type and hops (the phases), arms."""
 
 
 def solver_of(jump: Jump) -> Solver:
     """The solver that a request needs."""
-    return jump.robot, jump.model, jump.type, jump.hops
+    return jump.robot, jump.model, jump.type, jump.hops, jump.arms
 
 
 @dataclass(frozen=True)

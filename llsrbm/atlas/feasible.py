@@ -150,11 +150,13 @@ def made(robot: Robot, weights: Array) -> Feasible:
 def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
     """Why nothing is known of a request, as half a sentence; "": it is."""
     plain = Jump(robot=jump.robot)
-    names = {*plain.as_dict()} - {*REQUEST, "model"}
+    names = {*plain.as_dict()} - {*REQUEST, "model", "arms"}
     if any(getattr(jump, name) != getattr(plain, name) for name in names):
         return "of this type of jump"
     if jump.model != plain.model:
         return "with this model"
+    if robot.arms and jump.arms != plain.arms:
+        return "with the arms held"
     if feasible_of(robot) is None:
         return "of this robot"
     own = _own_limits(robot)

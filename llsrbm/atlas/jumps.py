@@ -86,6 +86,7 @@ class Jumps:
     stops: tuple[str, ...]  # names of limiting constraints
     stop: NDArray[np.int64]  # (J,) places therein
     robot_hash: str  # of the robot's files
+    arms: str = Jump.arms  # of all of them
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -111,7 +112,7 @@ class Jumps:
             if name.startswith(LIMIT) and math.isfinite(value)
         }
         drives = {name: values[name] for name in DRIVES if values[name] != 1.0}
-        jump = Jump(robot=self.robot, model=self.model, type=self.type, **amounts)
+        jump = Jump(robot=self.robot, model=self.model, type=self.type, arms=self.arms, **amounts)
         return jump, limits, drives
 
 

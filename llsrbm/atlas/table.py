@@ -20,6 +20,7 @@ from llsrbm.atlas.jumps import AMOUNTS, DRIVES, FALLS, NOTHING, Atlas, Jumps
 from llsrbm.errors import InputError, require
 from llsrbm.files.atomic import staged
 from llsrbm.installed import assets_directory
+from llsrbm.request.jump import Jump
 from llsrbm.sweep.folder import STATED, TABLE
 from llsrbm.sweep.rows import LIMIT, PLANNED, STATUSES
 
@@ -32,6 +33,7 @@ _Columns = dict[str, NDArray[Any]]
 SMALL = ".npz"
 """Suffix of small files."""
 
+_ARMS = "arms"  # A column that tables from before robots had arms do not have
 _TEXTS = ("robot", "model", "type", "robot_hash", "status", "stopped_by")
 _GROUPED = ("robot", "model", "type")
 _FIGURES = ("flight_s", "torque_share")  # the same in all rows of a jump
@@ -70,7 +72,7 @@ def write_small(path: Path, target: Path) -> None:
     columns = {n: v.astype(np.float32) if n in _FIGURES else v for n, v in columns.items()}
     with staged(target) as draft:
         if target.suffix == SMALL:
-            texts = {name: columns[name].astype(str) for name in _TEXTS}
+            texts = {n: columns[n].astype(str) for n in (*_TEXTS, _ARMS) if n in columns}
             np.savez_compressed(draft, allow_pickle=False, title=title, **columns | texts)
         else:
             import pyarrow as pa
@@ -111,7 +113,8 @@ def _read_small(path: Path) -> tuple[str, _Columns]:
             columns = {name: file[name] for name in file.files}
         title = str(columns.pop("title"))
         names = _checked(path, columns, len(columns.get("jump", ())))
-        return title, {n: columns[n].astype(object if n in _TEXTS else None) for n in names}
+        texts = {*_TEXTS, _ARMS}
+        return title, {n: columns[n].astype(object if n in texts else None) for n in names}
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         raise _unreadable(path, error) from error
 
@@ -123,8 +126,9 @@ def _unreadable(path: Path, error: Exception) -> InputError:
 
 
 def _checked(path: Path, names: Iterable[str], rows: int) -> tuple[str, ...]:
-    """The columns to be read, limits that vary included, if it is a sweep's table."""
-    limits = tuple(name for name in names if name.startswith(LIMIT))
+    """The columns to be read, with limits that vary and arms, if it is a sweep's table."""
+    names = tuple(names)
+    more = tuple(name for name in names if name.startswith(LIMIT) or name == _ARMS)
     missing = [name for name in NEEDED if name not in names]
     if missing:
         raise InputError(
@@ -132,7 +136,7 @@ def _checked(path: Path, names: Iterable[str], rows: int) -> tuple[str, ...]:
         )
     if rows > _MOST:
         raise InputError(f"{path}: {rows} rows are too many for an atlas; expected at most {_MOST}")
-    return (*NEEDED, *limits)
+    return (*NEEDED, *more)
 
 
 def _title(table: Path) -> str:
@@ -165,6 +169,7 @@ def _groups(columns: _Columns) -> tuple[Jumps, ...]:
     requested, stops, arrays = _reduced(columns, first)
     keys = list(zip(*(columns[name][first] for name in _GROUPED), strict=True))
     hashes = columns["robot_hash"][first]
+    arms = str(columns[_ARMS][0]) if _ARMS in columns else ""  # the same in all of a sweep
     groups = []
     for key in dict.fromkeys(keys):
         mask = np.fromiter((each == key for each in keys), dtype=bool, count=len(keys))
@@ -177,6 +182,7 @@ def _groups(columns: _Columns) -> tuple[Jumps, ...]:
                 requested={name: values[mask] for name, values in requested.items()},
                 stops=stops,
                 robot_hash=str(hashes[mask][0]),
+                arms=arms or Jump.arms,
                 **{name: values[mask] for name, values in arrays.items()},
             )
         )

@@ -70,6 +70,7 @@ def tuning_command(robot: options.Robot = "anymal") -> int:
     rows = [
         ("weight", cost.name, f"{weights[cost.name]:g}", "", cost.unit, cost.effect)
         for cost in COSTS
+        if cost.concerns(loaded)
     ]
     for limit, value in limits_of(loaded).values():
         scale, unit = (math.degrees(1), "deg") if limit.unit == "rad" else (1.0, limit.unit)

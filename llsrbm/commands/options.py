@@ -158,6 +158,8 @@ def in_words(jump: Jump) -> str:
     ]
     if jump.hops != plain.hops:
         words.append(f"{jump.hops} hops")
+    if jump.arms != plain.arms:
+        words.append(f"arms {jump.arms}")
     return f"{jump.robot}, {jump.model}: {', '.join(words)}"
 
 

@@ -66,11 +66,13 @@ def new_command(
     proposal = draft.propose(anatomy)
     table = table or draft.urdf_beside(path, out)
     _write_checked(out, draft.robot_file_text(name, table, anatomy, proposal))
-    print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints")
+    arms = f", {len(anatomy.arms)} arms of {len(anatomy.arms[0].joint_ids)}" if anatomy.arms else ""
+    print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints{arms}")
     print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
     if anatomy.held:
         first = ", ".join([*anatomy.held][:3])
-        print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no foot ({first}, ...)")
+        limb = "limb" if anatomy.arms else "foot"
+        print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no {limb} ({first}, ...)")
     if anatomy.frames:
         print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} in the middle of their soles")
     for key, reason in proposal.guessed.items():

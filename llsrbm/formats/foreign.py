@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.sampling import FASTEST
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities
 from llsrbm.robots import Robot
@@ -17,6 +18,7 @@ Array = NDArray[np.float64]
 
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
+_HELD = 0.01  # rad or m by which a held joint may be elsewhere: momenta are those of the held one
 _UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rounding in files
 
 
@@ -32,15 +34,40 @@ def checked_rate(value: Any, where: str) -> float:
     return float(value)
 
 
-def joint_columns(names: Sequence[str], robot: Robot, where: str) -> list[int]:
-    """Where each of `Robot.joint_names` is among the file's; `FileFormatError` for others."""
-    if sorted(names) != sorted(robot.joint_names):
+def joint_columns(names: Sequence[str], position: Array, robot: Robot, where: str) -> list[int]:
+    """Where each of `Robot.joint_names` is among the file's `names` (n,).
+
+    Joints that the robot holds may be among them, all or none; where they are by `position` (K, n),
+    rad or m, counts then.
+
+    Raises:
+        FileFormatError: other joints or another number of columns, or held joints that move.
+    """
+    own = urdf_joints(robot).joints
+    if sorted(names) not in (sorted(robot.joint_names), sorted(own)):
         listed = " ".join(", ".join(names).split()) or "none"  # one line, whatever the names are
         raise FileFormatError(
             f"{where}: has joints {listed:.400}, but robot {robot.name} has "
             f"{', '.join(robot.joint_names)}; expected the robot that moves in the file"
         )
+    if len(names) != position.shape[1]:
+        raise FileFormatError(
+            f"{where}: expected a name for each of {position.shape[1]} joints, got {len(names)}"
+        )
+    if len(names) > len(robot.joint_names):
+        _check_held(dict(zip(names, position.T, strict=True)), robot, where)
     return [list(names).index(name) for name in robot.joint_names]
+
+
+def _check_held(position: dict[str, Array], robot: Robot, where: str) -> None:
+    for joint, angle in robot.file.urdf.held.items():
+        off = ~(np.abs(position[joint] - angle) <= _HELD)  # NaN is
+        if off.any():
+            found = position[joint][off][0]
+            raise FileFormatError(
+                f"{where}: joint {joint} is at {found:.4g} in the file, but robot {robot.name} "
+                f"holds it at {angle:g}; expected a motion in which it stays there"
+            )
 
 
 def checked_motion(

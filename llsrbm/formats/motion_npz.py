@@ -8,7 +8,8 @@ otherwise, the rate of both families' policies.
 
 The B = 1 + J bodies are the root link and the links that joints move, with what is welded to them,
 called as in the URDF; that is what MuJoCo makes of a URDF, and Isaac Lab where it merges fixed
-joints, as by default. Both loaders take bodies by their place and not by their names, so the order
+joints, as by default. Joints are all of the URDF's, of G1 29; those that the robot's file holds are
+at rest. Both loaders take bodies by their place and not by their names, so the order
 must be the reader's:
 
 depth-first (mjlab): bodies and joints leg after leg as the URDF lists them, MuJoCo's order;
@@ -37,7 +38,7 @@ from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
 from llsrbm.mechanics import rotation_matrices
-from llsrbm.motion.bodies import body_motion, body_order, root_com
+from llsrbm.motion.bodies import body_motion, body_order, root_com, urdf_joints
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
@@ -60,7 +61,6 @@ _EXPECTED = "expected a motion-tracking npz file (mjlab, BeyondMimic)"
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     bodies = body_motion(motion, options.order)
-    joints = list(bodies.order.joint_index)
     of_com = options.order == _BREADTH_FIRST
     meta = MOTION_NPZ.described_json(
         trajectory,
@@ -70,8 +70,8 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     )
     arrays = {
         "fps": np.array([options.fps]),
-        "joint_pos": motion.joint_position[:, joints],
-        "joint_vel": motion.joint_velocity[:, joints],
+        "joint_pos": bodies.order.position(motion),
+        "joint_vel": bodies.order.velocity(motion),
         "body_pos_w": bodies.position,
         "body_quat_w": bodies.quat,
         "body_lin_vel_w": bodies.com_velocity if of_com else bodies.velocity,
@@ -94,13 +94,16 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         )
     values = checked(arrays, _LAYOUT, path)
     names = [str(name) for name in values["joint_names"]]
-    columns = joint_columns(names, robot, f'{path}: key "joint_names"')
+    columns = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
     quat = values["body_quat_w"][:, 0]
     R_world_base = rotation_matrices(quat / np.linalg.norm(quat, axis=1, keepdims=True))
     angular_velocity = np.einsum("kji,kj->ki", R_world_base, values["body_ang_vel_w"][:, 0])
     velocity = values["body_lin_vel_w"][:, 0]
     if _order(arrays, names, robot, path) == _BREADTH_FIRST:
-        arm = np.cross(angular_velocity, root_com(robot))
+        # A file without the held joints is of bodies that have what is held welded to them.
+        whole = len(names) == len(urdf_joints(robot).joints)
+        lever = root_com(robot) if whole else robot.base.lever
+        arm = np.cross(angular_velocity, lever)
         velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
     qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
     qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])

@@ -43,7 +43,7 @@ def _write_gmr(trajectory: Trajectory, path: Path, options: Options) -> None:
         "fps": options.fps,
         "root_pos": motion.base_position,
         "root_rot": motion.base_quat[:, _XYZW],
-        "dof_pos": motion.joint_position[:, list(bodies.order.joint_index)],
+        "dof_pos": bodies.order.position(motion),
         "local_body_pos": np.einsum("kji,kbj->kbi", R_world_base, from_root),
         "link_body_list": list(bodies.order.bodies),
     }
@@ -55,8 +55,8 @@ def _write_gmr(trajectory: Trajectory, path: Path, options: Options) -> None:
 def _write_mimickit(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     order = body_order(motion.robot, ORDERS[0])
-    joints = motion.joint_position[:, list(order.joint_index)]
-    frames = np.hstack([motion.base_position, exponential_map(motion.base_quat), joints])
+    root = motion.base_position, exponential_map(motion.base_quat)
+    frames = np.hstack([*root, order.position(motion)])
     # Lists, as MimicKit writes them. Loop mode 0: the motion stops at its end.
     _write_pickle(path, {"loop_mode": 0, "fps": options.fps, "frames": frames.tolist()})
     columns = ["x", "y", "z", "rx", "ry", "rz", *order.joints]
@@ -82,8 +82,8 @@ def exponential_map(quat: Array) -> Array:
 def _write_motion_imitation(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
     order = body_order(motion.robot, ORDERS[0])
-    joints = motion.joint_position[:, list(order.joint_index)]
-    frames = np.hstack([motion.base_position, motion.base_quat[:, _XYZW], joints])
+    root = motion.base_position, motion.base_quat[:, _XYZW]
+    frames = np.hstack([*root, order.position(motion)])
     head = {
         "LoopMode": "Clamp",
         "FrameDuration": 1 / options.fps,
@@ -110,8 +110,9 @@ GMR's motion of a robot: a pickled dictionary of arrays.
 `fps`; `root_pos` (T, 3) m: origin of the root link; `root_rot` (T, 4): its attitude x, y, z, w
 (w last) without jumps of sign; `dof_pos` (T, J) rad, m for joints that slide; `local_body_pos`
 (T, B, 3) m: origins of the B = 1 + J bodies in the root link's frame; `link_body_list`: their
-names. World frame, z up. Joints and bodies are in MuJoCo's order: leg after leg as the URDF lists
-them, the root first. 30 frames/s unless asked otherwise, GMR's own rate.
+names. World frame, z up. Joints and bodies are in MuJoCo's order: limb after limb as the URDF lists
+them, the root first, joints that the robot's file holds among them. 30 frames/s unless asked
+otherwise, GMR's own rate.
 
 The arrays are pickled such that NumPy 1 and 2 open them. A JSON file beside it has request, robot,
 solver and the names of the joints. Files like this one are not opened here: a pickle can run
@@ -131,9 +132,9 @@ MimicKit's motion: a pickled dictionary.
 
 `loop_mode`: 0, the motion stops at its end; `fps`; `frames`: T lists of 3 + 3 + J numbers: position
 of the root link's origin, m; its attitude as an exponential map (axis times angle, rad); joints,
-rad. World frame, z up. Joints are leg after leg as the URDF lists them: the depth-first order that
-MimicKit has of a character's MJCF or URDF. 60 frames/s unless asked otherwise; MimicKit takes
-velocities as differences of frames.
+rad. World frame, z up. Joints are limb after limb as the URDF lists them, held ones among them: the
+depth-first order that MimicKit has of a character's MJCF or URDF. 60 frames/s unless asked
+otherwise; MimicKit takes velocities as differences of frames.
 
 The exponential map goes on past 180 deg, up to 360, instead of jumping to the opposite axis:
 MimicKit makes a quaternion of each frame, which is the same either way, and tools that interpolate
@@ -159,7 +160,8 @@ for joints that slide. World frame, z up. Nine decimals. 60 frames/s unless aske
 clips that come with it. Its loader moves the motion to begin above the origin, makes w positive and
 takes velocities as differences of frames.
 
-Joints are leg after leg as the URDF lists them, PyBullet's order; `JointOrder` names them. The
+Joints are limb after limb as the URDF lists them, held ones among them, PyBullet's order;
+`JointOrder` names them. The
 loader reads the keys that it knows, so `Meta` has everything else beside the numbers.
 """,
     options=("fps", "pad"),

@@ -1,8 +1,9 @@
 """Unitree's and LAFAN1's table of a motion, the de-facto interchange: no header, a row a frame.
 
 Columns 0-2: position of the root link's origin, m; 3-6: its attitude as a quaternion x, y, z, w
-(w last); from 7 on: the joints in the robot's order (`Robot.joint_names`, Pinocchio's), rad, and m
-for joints that slide. World frame, z up. A row is Pinocchio's q. Quaternions have no jumps of sign.
+(w last); from 7 on: all joints of the robot's URDF in Pinocchio's order, rad, and m for joints that
+slide: of G1 29, legs, waist, arms with wrists. Those that the robot's file holds are where it holds
+them. World frame, z up. A row is Pinocchio's q. Quaternions have no jumps of sign.
 
 The file says neither its rate nor its joints: the JSON file beside it, under its name and
 ".meta.json", does (`fps`, `joint_order`, `columns`, `units`, `quaternion_order`). 30 frames/s
@@ -27,6 +28,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import FileFormatError
 from llsrbm.formats.base import Format, Options, read_beside
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
@@ -44,23 +46,24 @@ _LARGEST = 32 * 1024**2  # bytes
 
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     motion = whole_body_motion(trajectory, options.fps, options.pad)
-    rows = np.hstack([motion.base_position, motion.base_quat[:, _XYZW], motion.joint_position])
+    order = urdf_joints(motion.robot)
+    root = motion.base_position, motion.base_quat[:, _XYZW]
+    rows = np.hstack([*root, order.position(motion)])
     np.savetxt(path, rows, fmt="%.9f", delimiter=",")
-    joints, sliding = motion.robot.joint_names, motion.robot.sliding_joints
     UNITREE_CSV.write_beside(
         path,
         trajectory,
         options,
         quaternion_order="xyzw",
-        joint_order=list(joints),
-        columns=["x", "y", "z", "qx", "qy", "qz", "qw", *joints],
-        column_units=[*"mmm1111", *("m" if name in sliding else "rad" for name in joints)],
+        joint_order=list(order.joints),
+        columns=["x", "y", "z", "qx", "qy", "qz", "qw", *order.joints],
+        column_units=[*"mmm1111", *order.units],
     )
 
 
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     beside = read_beside(path)
-    rows = _rows(path, 7 + len(robot.joint_names), robot)
+    rows = _rows(path, robot)
     rate = beside.get("fps", fps)
     if rate is None:
         raise FileFormatError(
@@ -72,25 +75,33 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         raise FileFormatError(
             f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
         )
-    joints = rows[:, 7:][:, _joints(beside, robot, path)]
+    joints = rows[:, 7:][:, _joints(beside, rows[:, 7:], robot, path)]
     qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], joints])
     fps = checked_rate(rate, f"{path}: fps")
     return checked_motion(robot, UNITREE_CSV.name, str(path), fps, qpos)
 
 
-def _joints(beside: dict[str, Any], robot: Robot, path: Path) -> list[int]:
-    names = beside.get("joint_order", list(robot.joint_names))
-    where = f"{path}.meta.json: joint_order"
+def _joints(beside: dict[str, Any], position: Array, robot: Robot, path: Path) -> list[int]:
+    named = "joint_order" in beside
+    where = f"{path}.meta.json: joint_order" if named else str(path)
+    names = beside["joint_order"] if named else list(_orders(robot)[position.shape[1]])
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise FileFormatError(f"{where}: expected a list of names")
-    return joint_columns(names, robot, where)
+    return joint_columns(names, position, robot, where)
 
 
-def _rows(path: Path, width: int, robot: Robot) -> Array:
+def _orders(robot: Robot) -> dict[int, tuple[str, ...]]:
+    """Joints of tables, by their number: those that move, or with the held ones among them."""
+    orders = robot.joint_names, urdf_joints(robot).joints
+    return {len(joints): joints for joints in orders}
+
+
+def _rows(path: Path, robot: Robot) -> Array:
     lines = [line for line in _text(path).splitlines() if line.strip()]
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
-    rows = []
+    rows: list[list[float]] = []
+    widths = [7 + count for count in _orders(robot)]
     for number, line in enumerate(lines, start=1):
         cells = line.split(",")
         try:
@@ -104,13 +115,15 @@ def _rows(path: Path, width: int, robot: Robot) -> Array:
             raise FileFormatError(
                 f"{path}: row {number}: not all of it is numbers; {_EXPECTED}"
             ) from error
-        if len(row) != width:
+        if len(row) not in widths:
             raise FileFormatError(
-                f"{path}: row {number} has {len(row)} columns; expected {width}: 7 of the root and "
-                f"{width - 7} joints of robot {robot.name}"
+                f"{path}: row {number} has {len(row)} columns; expected "
+                f"{' or '.join(map(str, widths))}: 7 of the root and "
+                f"{' or '.join(str(width - 7) for width in widths)} joints of robot {robot.name}"
             )
+        widths = [len(row)]
         rows.append(row)
-    return np.array(rows, dtype=np.float64).reshape(-1, width)
+    return np.array(rows, dtype=np.float64).reshape(-1, widths[0])
 
 
 def _text(path: Path) -> str:

@@ -52,6 +52,8 @@ def _parts(jump: Jump, tuning: Tuning, scenario: Scenario | None) -> dict[str, s
     if jump.robot != Jump().robot:
         parts["robot"] = Path(jump.robot).stem
     parts |= {"task": _task(jump), "model": jump.model}
+    if jump.arms != Jump.arms:
+        parts["arms"] = f"arms {jump.arms}"
     for name, value in {**tuning.weights, **tuning.limits}.items():
         parts[f"tuning {name}"] = f"{name.replace('_', ' ')} {value:g}"
     if scenario is None:

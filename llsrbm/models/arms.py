@@ -38,7 +38,7 @@ class _Link(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """What the base carries: the arms' links in motion against it."""
+    """The arms' links in motion against the base that carries them."""
 
     links: tuple[_Link, ...]
 
@@ -118,14 +118,16 @@ class Arms:
         rates: Matrix,
         accelerations: Matrix,
         omega: Matrix,
+        omega_rate: Matrix,
         specific_force: Matrix,
         lift: Lift,
     ) -> Matrix:
-        """(A n, 1) Nm by inverse dynamics on a base that turns at a constant rate.
+        """(A n, 1) Nm by inverse dynamics on a moving base.
 
         Args:
             angles, rates, accelerations: (A n, 1) rad and so on.
-            omega: (3, 1) rad/s of the base; specific_force: (3, 1) m/s2 on it, base axes.
+            omega, omega_rate: (3, 1) rad/s, rad/s2 of the base; specific_force: (3, 1) m/s2 on its
+                origin; base axes.
             lift: marks intermediate quantities.
         """
         effort = self._bodies.inverse_dynamics(
@@ -133,7 +135,7 @@ class Arms:
             self._of_all(rates),
             self._of_all(accelerations),
             omega=omega,
-            omega_rate=ca.SX.zeros(3),
+            omega_rate=omega_rate,
             base_acceleration=specific_force,
             up=ca.SX.zeros(3),
             forces={},

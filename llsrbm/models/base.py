@@ -69,12 +69,13 @@ class OffsetMap:
         return own if arms is None else own + ca.mtimes(_sparse(self.of_moment), arms.moment)
 
     def rate(self, rates: dict[int, Matrix], arms: Carried | None = None) -> Matrix:
-        """Time derivative of o, (3, 1) m/s."""
+        """Time derivative of o, (3, 1) m/s; of feet that are not among the rates at rest."""
         own = self._of_feet(rates)
         return own if arms is None else own + ca.mtimes(_sparse(self.of_moment), arms.moment_rate)
 
     def _of_feet(self, feet: dict[int, Matrix]) -> Matrix:
-        return sum(ca.mtimes(_sparse(G), feet[i]) for i, G in self.maps.items())
+        parts = (ca.mtimes(_sparse(G), feet[i]) for i, G in self.maps.items() if i in feet)
+        return sum(parts, start=ca.SX.zeros(3))
 
 
 class CentroidalModel(ABC):
@@ -144,9 +145,10 @@ class CentroidalModel(ABC):
             -leg_mass / self.mass * np.diag(M) @ leg_com_affine[1:].T for M in self.mirrors
         ]
         # Given beta: A o = k + m_l sum_i M_i W M_i beta_i, yaws as further columns.
-        self._offset_moment = A_inverse = np.linalg.inv(
-            -self.mass * np.eye(3) + leg_mass * sum(per_leg)
+        A_inverse: Array = np.asarray(
+            np.linalg.inv(-self.mass * np.eye(3) + leg_mass * sum(per_leg)), dtype=np.float64
         )
+        self._offset_moment = A_inverse
         hips_share = sum(G @ h for G, h in zip(per_leg, self.hips, strict=True))
         self._offset_beta_0 = A_inverse @ (fixed - leg_mass * hips_share)
         self._offset_beta = [
@@ -181,7 +183,7 @@ class CentroidalModel(ABC):
             left += turned
             fixed -= turned @ self.hips[i]
             maps[i] = np.hstack([turned, self.turn_mirrors[i] * maps[i][:, 3:]])
-        inverse = np.linalg.inv(left)
+        inverse: Array = np.asarray(np.linalg.inv(left), dtype=np.float64)
         maps = {i: inverse @ G for i, G in maps.items()}
         return OffsetMap(inverse @ fixed, maps, inverse @ hanging)
 

@@ -1,7 +1,8 @@
 """The bodies of a robot: in which order tools have them, where they are and how they move.
 
 A body is a link that a joint moves, with all that is welded to it; the first is the root link. It
-is called as the URDF calls the link, and its frame is the link's.
+is called as the URDF calls the link, and its frame is the link's. Bodies and joints are those of
+the robot's own URDF: joints that its file holds stand among them where they are held.
 """
 
 from __future__ import annotations
@@ -20,26 +21,50 @@ from llsrbm.errors import InputError
 from llsrbm.mechanics import quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
-from llsrbm.robots.urdf import BASE_JOINT
+from llsrbm.robots.urdf import BASE_JOINT, load_model
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class BodyOrder:
-    """Names of the 1 + J bodies, the root link first, and of the J joints that move the others.
+class JointOrder:
+    """The n joints of a robot's own URDF in some order.
 
-    `joint_index`: where each of these joints is among `Robot.joint_names`.
+    Attributes:
+        joints: their names.
+        index: where each is among `Robot.joint_names`; -1: the robot's file holds it.
+        held: rad or m at which it is held; 0 of those that move.
+        units: "rad", or "m" of those that slide.
     """
 
-    bodies: tuple[str, ...]
     joints: tuple[str, ...]
-    joint_index: tuple[int, ...]
+    index: tuple[int, ...]
+    held: tuple[float, ...]
+    units: tuple[str, ...]
+
+    def position(self, motion: WholeBodyMotion) -> Array:
+        """(K, n) rad or m."""
+        return self._filled(motion.joint_position, self.held)
+
+    def velocity(self, motion: WholeBodyMotion) -> Array:
+        """(K, n) rad/s or m/s."""
+        return self._filled(motion.joint_velocity, (0.0,) * len(self.joints))
+
+    def _filled(self, moved: Array, held: tuple[float, ...]) -> Array:
+        index = np.array(self.index)
+        return np.where(index < 0, held, moved[:, index])
+
+
+@dataclass(frozen=True)
+class BodyOrder(JointOrder):
+    """The joints with the names of the 1 + n bodies: the root link, then what each joint moves."""
+
+    bodies: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class BodyMotion:
-    """B = 1 + J bodies at K instants; world frame.
+    """B = 1 + n bodies at K instants; world frame.
 
     Attributes:
         position: (K, B, 3) m of the links' origins; quat: (K, B, 4) w, x, y, z, no jumps of sign.
@@ -56,10 +81,33 @@ class BodyMotion:
 
 
 @lru_cache(maxsize=32)
+def urdf_joints(robot: Robot) -> JointOrder:
+    """In Pinocchio's order; where the robot's file holds none they are `Robot.joint_names`."""
+    return _joint_order(robot, tuple(_own_model(robot).names[BASE_JOINT + 1 :]))
+
+
+def _joint_order(robot: Robot, joints: tuple[str, ...]) -> JointOrder:
+    model, held = _own_model(robot), robot.file.urdf.held
+    kinds = [model.joints[model.getJointId(joint)].shortname() for joint in joints]
+    return JointOrder(
+        joints=joints,
+        index=tuple(-1 if j in held else robot.joint_names.index(j) for j in joints),
+        held=tuple(held.get(joint, 0.0) for joint in joints),
+        units=tuple("m" if kind.startswith("JointModelP") else "rad" for kind in kinds),
+    )
+
+
+@lru_cache(maxsize=32)
+def _own_model(robot: Robot) -> pin.Model:
+    """Of the URDF that the robot's file names, in which nothing is held."""
+    return load_model(robot.urdf_source, robot.path)
+
+
+@lru_cache(maxsize=32)
 def body_order(robot: Robot, order: str) -> BodyOrder:
     """The bodies as tools have them that read the robot's URDF.
 
-    "depth-first": leg after leg, siblings as their joints stand in the URDF, as MuJoCo, PyBullet
+    "depth-first": limb after limb, siblings as their joints stand in the URDF, as MuJoCo, PyBullet
     and MimicKit have them; "breadth-first": level after level, siblings by the names of their
     joints, as Isaac Lab has them. Raises `InputError` for another order.
     """
@@ -70,12 +118,8 @@ def body_order(robot: Robot, order: str) -> BodyOrder:
         steps = list(_breadth_first(moved, root))
     else:
         raise InputError(f'order: expected "depth-first" or "breadth-first", got {order!r}')
-    joints = tuple(joint for joint, _ in steps)
-    return BodyOrder(
-        bodies=(root, *(link for _, link in steps)),
-        joints=joints,
-        joint_index=tuple(robot.joint_names.index(joint) for joint in joints),
-    )
+    joints = _joint_order(robot, tuple(joint for joint, _ in steps))
+    return BodyOrder(**vars(joints), bodies=(root, *(link for _, link in steps)))
 
 
 def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
@@ -83,19 +127,21 @@ def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
     robot = motion.robot
     model, data = robot.model, robot.model.createData()
     chosen = body_order(robot, order)
-    ids = [BASE_JOINT, *(model.getJointId(joint) for joint in chosen.joints)]
-    shape = len(motion.time), len(ids)
+    # Bodies are frames of the model that moves; its masses have those of held bodies in them.
+    frames = [model.getFrameId(body, pin.FrameType.BODY) for body in chosen.bodies]
+    own = _own_model(robot)
+    levers = [root_com(robot), *(own.inertias[own.getJointId(j)].lever for j in chosen.joints)]
+    shape = len(motion.time), len(frames)
     position, velocity, com_velocity, angular = (np.empty((*shape, 3)) for _ in range(4))
     rotation = np.empty((*shape, 3, 3))
     for k, (q, v) in enumerate(zip(*pinocchio_states(motion.qpos, motion.qvel), strict=True)):
         pin.forwardKinematics(model, data, q, v)
-        for b, joint in enumerate(ids):
-            moves = pin.getVelocity(model, data, joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-            position[k, b] = data.oMi[joint].translation
-            rotation[k, b] = data.oMi[joint].rotation
+        pin.updateFramePlacements(model, data)
+        for b, (frame, lever) in enumerate(zip(frames, levers, strict=True)):
+            moves = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            position[k, b], rotation[k, b] = data.oMf[frame].translation, data.oMf[frame].rotation
             velocity[k, b], angular[k, b] = moves.linear, moves.angular
-            arm = data.oMi[joint].rotation @ model.inertias[joint].lever
-            com_velocity[k, b] = moves.linear + np.cross(moves.angular, arm)
+            com_velocity[k, b] = moves.linear + np.cross(moves.angular, rotation[k, b] @ lever)
     return BodyMotion(
         order=chosen,
         position=position,
@@ -108,7 +154,7 @@ def body_motion(motion: WholeBodyMotion, order: str) -> BodyMotion:
 
 def root_com(robot: Robot) -> Array:
     """(3,) m: CoM of the root body in the root link's frame."""
-    return np.array(robot.model.inertias[BASE_JOINT].lever)
+    return np.array(_own_model(robot).inertias[BASE_JOINT].lever)
 
 
 _Steps = dict[str, list[tuple[str, str]]]  # body -> (joint, body) that hang on it
@@ -118,7 +164,7 @@ def _tree(robot: Robot) -> tuple[str, _Steps]:
     """The root link, and what moves on what, as it stands in the URDF; links that are welded to a
     body are part of it.
     """
-    urdf = ET.parse(robot.urdf_path).getroot()  # noqa: S314  the user's own file, read before
+    urdf = ET.parse(robot.urdf_source).getroot()  # noqa: S314  the user's own file, read before
     children: _Steps = defaultdict(list)
     carried = set()
     for joint in urdf.findall("joint"):
@@ -131,10 +177,11 @@ def _tree(robot: Robot) -> tuple[str, _Steps]:
         link.attrib["name"] for link in urdf.findall("link") if link.attrib["name"] not in carried
     )
     moved: _Steps = defaultdict(list)
+    joints = set(urdf_joints(robot).joints)
 
     def hang(link: str, body: str) -> None:
         for joint, child in children[link]:
-            if joint in robot.joint_names:
+            if joint in joints:
                 moved[body].append((joint, child))
                 hang(child, child)
             else:

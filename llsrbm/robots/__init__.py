@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
 from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.arms import built_arms
 from llsrbm.robots.feet import check_soles, foot_lift
 from llsrbm.robots.leg_fit import load_or_fit
 from llsrbm.robots.legs import LegChains, solve_legs
-from llsrbm.robots.robot import Arm, Leg, Robot
+from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.schema import RobotFile, read_robot_file, robot_files
 from llsrbm.robots.urdf import (
     BASE_JOINT,
@@ -110,7 +111,7 @@ def build_robot(path: str | Path) -> Robot:
     limbs = (*file.legs, *file.arms)
     joint_ids = {name: joint_chain(model, file, path, name) for name in limbs}
     check_joints(model, file, path, joint_ids)
-    arms = _arms(file, model, joint_ids)
+    arms = built_arms(file, model, joint_ids)
     rest = pin.neutral(model)
     for arm in arms:
         rest[arm.q_index] = file.posture[arm.name]
@@ -202,33 +203,6 @@ def _legs(file: RobotFile, chains: LegChains) -> tuple[Leg, ...]:
             zip(file.legs.items(), chains.joint_ids.tolist(), strict=True)
         )
     )
-
-
-def _arms(file: RobotFile, model: pin.Model, joint_ids: dict[str, list[int]]) -> tuple[Arm, ...]:
-    data = model.createData()
-    pin.computeJointJacobians(model, data, pin.neutral(model))
-    limbs = {name: joint_ids[name] for name in file.arms}
-    columns = {name: [model.joints[j].idx_v for j in joints] for name, joints in limbs.items()}
-    axes = {name: data.J[3:, index].T for name, index in columns.items()}
-    sides = {name: data.oMi[joints[0]].translation[1] for name, joints in limbs.items()}
-    first = next(iter(limbs), "")
-    arms = []
-    for name, joints in limbs.items():
-        # In a mirror at the plane y = 0 a turn about (x, y, z) is seen as one about (-x, y, -z).
-        seen = axes[first] * ([-1.0, 1.0, -1.0] if sides[name] * sides[first] < 0 else 1.0)
-        arms.append(
-            Arm(
-                name=name,
-                hand_frame=file.arms[name].hand,
-                hand_frame_id=frame_id(model, file.arms[name].hand),
-                joints=tuple(model.names[j] for j in joints),
-                joint_ids=tuple(joints),
-                q_index=np.array([model.joints[j].idx_q for j in joints]),
-                v_index=np.array(columns[name]),
-                mirror=np.where((axes[name] * seen).sum(axis=1) < 0, -1.0, 1.0),
-            )
-        )
-    return tuple(arms)
 
 
 def _symmetrised(hips: Array) -> Array:

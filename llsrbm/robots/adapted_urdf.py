@@ -80,7 +80,10 @@ def _add_frame(robot: ET.Element, name: str, frame: AddedFrame, path: Path) -> N
             f'{path}: urdf.frames.{name}.link: the URDF has no link "{frame.link}"; '
             f"{choices(frame.link, links)}"
         )
-    ET.SubElement(robot, "link", name=name)
+    link = ET.SubElement(robot, "link", name=name)
+    if frame.radius is not None:
+        geometry = ET.SubElement(ET.SubElement(link, "collision"), "geometry")
+        ET.SubElement(geometry, "sphere", radius=repr(frame.radius))
     joint = ET.SubElement(robot, "joint", name=f"{name}_fixed", type="fixed")
     ET.SubElement(joint, "origin", xyz=_numbers(frame.xyz), rpy=_numbers(frame.rpy))
     ET.SubElement(joint, "parent", link=frame.link)

@@ -33,11 +33,13 @@ class AddedFrame(Table):
     Attributes:
         link: of the URDF, which carries it.
         xyz, rpy: its origin, m, and its roll, pitch and yaw, rad, in that link's frame.
+        radius: of a ball there that is solid, m, for a link that URDFs only draw, such as a hand.
     """
 
     link: str
     xyz: Vector
     rpy: Vector = (0.0, 0.0, 0.0)
+    radius: Positive | None = None
 
 
 class UrdfSource(Table):

@@ -155,7 +155,12 @@ def _open(path: Path) -> _Sweep:
             *("index", "jump", *_REQUEST, "seed", "status", *_OF_PLANS, *_OUTCOMES),
             *("version", "robot_hash", *(row.LIMIT + name for name in spec.limits)),
         ]
-        table = pyarrow.dataset.dataset(path / TABLE).to_table(columns=plain)
+        found = pyarrow.dataset.dataset(path / TABLE)
+        # Sweeps from before robots had arms do not have the column.
+        of_old = {"arms"} - {*found.schema.names}
+        table = found.to_table(columns=[name for name in plain if name not in of_old])
+        for name in of_old:
+            table = table.append_column(name, pa.array([Jump.arms] * len(table)))
     except (ValueError, KeyError, TypeError, OSError, pa.ArrowException) as error:
         raise InputError(f"{path}: the sweep is damaged; expected one of llsrbm sweep") from error
     if len(table) < stated["rows"]:
@@ -275,6 +280,7 @@ def _task(values: dict[str, Any]) -> str:
     ]
     parts += [f"{name} {values[name]:.1f} m/s" for name in ("speed", "end_speed") if values[name]]
     parts += [f"{values['hops']} hops"] if values["hops"] > 1 else []
+    parts += [] if values["arms"] == Jump.arms else [f"arms {values['arms']}"]
     kind = "" if values["type"] == Jump.type else f" ({values['type']})"
     return f"jump{kind}: {', '.join(parts)}"
 

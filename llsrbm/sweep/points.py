@@ -113,7 +113,8 @@ class Points:
         fields: dict[str, Any] = {name: v for (where, name), v in values.items() if where == "axes"}
         if "hops" in fields:
             fields["hops"] = int(fields["hops"])
-        jump = Jump(robot=robot, model=model, type=kind, **fields)
+        arms = self.spec.arms or Jump.arms
+        jump = Jump(robot=robot, model=model, type=kind, arms=arms, **fields)
         rows = range(number * self._seeds, (number + 1) * self._seeds)
         return Point(
             number=number,

@@ -67,6 +67,7 @@ _REQUEST = (
     Column("speed", NUMBER, "m/s", "forward speed at the start"),
     Column("end_speed", NUMBER, "m/s", "forward speed at the end"),
     Column("hops", WHOLE, "", "jumps in a row"),
+    Column("arms", TEXT, "", "of a robot that has some: free or held"),
     Column("drive_torque", NUMBER, "1", "torque of the drives, times the robot file's"),
     Column("drive_speed", NUMBER, "1", "speed of the drives, times the robot file's"),
     Column("seed", WHOLE, "", "of the simulation's disturbance; null: undisturbed"),

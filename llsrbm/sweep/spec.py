@@ -194,6 +194,7 @@ class Spec(Table):
     robots: _Names
     models: _Names = (Jump.model,)
     types: _Names = (Jump.type,)
+    arms: Literal["free", "held"] | None = None  # of robots that have some; None: free
     sampling: Literal["grid", "random", "sobol"] = "grid"
     count: Annotated[int, Field(ge=1)] | None = None  # jumps a robot, model and type, if drawn
     # Draws jumps, and numbers the disturbances of simulations.

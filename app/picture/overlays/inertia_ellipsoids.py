@@ -1,8 +1,8 @@
-"""Inertia as a body that has it: planned, constant (SRBM's) and simulated."""
+"""Inertia as a body that has it: planned, simulated, and one to compare with."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 import viser
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
@@ -21,9 +20,19 @@ _OUTSIDE = 1.004  # rings must lie just outside of a surface to be seen
 _SIDES = 48  # of a ring
 _THIN = 1.2  # pixels
 
+_PLANNED, _SRBM, _WHOLE, _HELD_ARMS = "planned", "srbm", "whole", "held_arms"  # names of nodes
+_COLOURS = {
+    _PLANNED: colours.PLANNED,
+    _SRBM: colours.REFERENCE,
+    _WHOLE: colours.SIMULATED,
+    _HELD_ARMS: colours.REFERENCE,
+}
+
 
 class InertiaEllipsoids(Overlay):
     """Of the plan, with a surface; of SRBM beside a plan, of the whole body beside a simulation.
+
+    Of robots with arms the one to compare with is that of the same postures with the arms held.
 
     Surfaces so close to each other would hide one another in turn, so only one has one.
     """
@@ -33,44 +42,49 @@ class InertiaEllipsoids(Overlay):
     title = "Inertia ellipsoids"
     hint = (
         "The uniform solid ellipsoid of the robot's mass that has its inertia about the CoM: the "
-        "plan's, and beside it SRBM's or, once simulated, the whole body's."
+        "plan's, and beside it SRBM's or, once simulated, the whole body's; of a robot with arms "
+        "also as if they were held."
     )
     place = 10
     at_first = True
 
-    _drawn: tuple[_Ellipsoid, _Ellipsoid, _Ellipsoid] | None = None
-    _simulated = False
+    _drawn: dict[str, _Ellipsoid] | None = None
+    _there: Collection[str] = ()
 
     @classmethod
     def swatch(cls, picture: Picture) -> Sequence[Rgb]:
-        second = colours.REFERENCE if picture.rollout is None else colours.SIMULATED
-        return colours.PLANNED, second
+        if picture.rollout is None:
+            return colours.PLANNED, colours.REFERENCE
+        armed = picture.robot is not None and picture.robot.arms
+        third = (colours.REFERENCE,) if armed else ()
+        return colours.PLANNED, colours.SIMULATED, *third
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
-        _, planned, _ = picture.motion
+        _, planned, solid = picture.motion
         simulated = picture.simulated
         if self._drawn is None:
-            self._drawn = (
-                _Ellipsoid(self.scene, "/ellipsoid/planned", colours.PLANNED, surface=True),
-                _Ellipsoid(self.scene, "/ellipsoid/srbm", colours.REFERENCE, surface=False),
-                _Ellipsoid(self.scene, "/ellipsoid/whole", colours.SIMULATED, surface=False),
-            )
-        solid, rigid, whole = self._drawn
-        self._simulated = simulated is not None
+            self._drawn = {
+                name: _Ellipsoid(self.scene, f"/ellipsoid/{name}", colour, surface=name == _PLANNED)
+                for name, colour in _COLOURS.items()
+            }
         frames = planned.frames
-        channels = [AnimationChannel(frames.time, (solid.of(frames),))]
+        tracks = [(frames, _PLANNED, frames.inertia_axes, frames.inertia_wxyz)]
         if simulated is not None:
-            channels.append(AnimationChannel(simulated.time, (whole.of(simulated),)))
-        else:
+            tracks.append((simulated, _WHOLE, simulated.inertia_axes, simulated.inertia_wxyz))
+        if solid.held_arms is not None:
+            tracks.append((solid, _HELD_ARMS, *solid.held_arms))
+        elif simulated is None:
             axes = np.broadcast_to(planned.rigid_axes, frames.com.shape)
-            track = rigid.track(frames.com, planned.rigid_wxyz, axes)
-            channels.append(AnimationChannel(frames.time, (track,)))
-        return channels
+            tracks.append((frames, _SRBM, axes, planned.rigid_wxyz))
+        self._there = {name for _, name, _, _ in tracks}
+        return [
+            AnimationChannel(of.time, (self._drawn[name].track(of.com, wxyz, axes),))
+            for of, name, axes, wxyz in tracks
+        ]
 
     def show(self, *, visible: bool) -> None:
-        there = True, not self._simulated, self._simulated
-        for ellipsoid, shown in zip(self._drawn or (), there, strict=False):
-            ellipsoid.show(visible=visible and shown)
+        for name, ellipsoid in (self._drawn or {}).items():
+            ellipsoid.show(visible=visible and name in self._there)
 
 
 class _Ellipsoid:
@@ -95,10 +109,6 @@ class _Ellipsoid:
                 receive_shadow=False,
             )
             self._nodes = (wires.name, inside.name)
-
-    def of(self, frames: Frames) -> Track:
-        """Over a motion."""
-        return self.track(frames.com, frames.inertia_wxyz, frames.inertia_axes)
 
     def track(self, position: Array, wxyz: Array, axes: Array) -> Track:
         """Its centre at `position` (F, 3) m, its semi-axes `axes` (F, 3) m along `wxyz` (F, 4)."""

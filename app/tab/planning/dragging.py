@@ -70,9 +70,11 @@ class DragPlanning:
 def _kind(jump: Jump) -> tuple[object, ...]:
     """Fields that two requests must share for one's plan to be a start for the other's.
 
-    Phases are of a type, and of a number of hops; whole turns differ by turns.
+    Phases are of a type, and of a number of hops; whole turns differ by turns; free arms are
+    variables more.
     """
-    return jump.robot, jump.model, jump.type, jump.hops, jump.roll, jump.pitch
+    phases = jump.type, jump.hops, jump.roll, jump.pitch
+    return jump.robot, jump.model, jump.arms, *phases
 
 
 def _near(one: Jump, other: Jump) -> bool:

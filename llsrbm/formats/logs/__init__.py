@@ -33,7 +33,8 @@ A log for Foxglove, rerun and other viewers of MCAP: Foxglove's protobuf schemas
 Log time is ns from 0 at the motion's first instant; messages are 1/fps apart, and there are some
 exactly at each lift-off and touchdown (of a rollout: at each change of contact, phase or mode).
 Topics, of a rollout for the simulated robot, under /plan/ for the plan that it followed:
-  /joint_states       foxglove.JointStates by name: rad or m, per s, effort = torque in Nm or N
+  /joint_states       foxglove.JointStates by name: rad or m, per s, effort = torque in Nm or N;
+                      joints that the robot's file holds too, without effort
   /tf, /tf_static     foxglove.FrameTransforms from link to link as in the URDF, "world" above the
                       root link, so a URDF layer moves; the plan's frames begin with "plan/", which
                       is the layer's frame prefix then

@@ -24,7 +24,7 @@ from llsrbm.formats.logs.series import (
 from llsrbm.formats.shown import surroundings_of
 from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.visuals import link_visuals
-from llsrbm.motion.bodies import link_paths
+from llsrbm.motion.bodies import link_paths, urdf_joints
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Block, Surroundings
@@ -134,14 +134,15 @@ def _meshes(
 
 def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
     channel = channels.JointStatesChannel(f"{top}/joint_states", context=context)
-    names, whole = motion.robot.joint_names, motion.motion
-    position, velocity = whole.joint_position.tolist(), whole.joint_velocity.tolist()
-    none = [[None] * len(names)] * len(position)
-    torque = none if whole.joint_torque is None else whole.joint_torque.tolist()
+    # Held joints too, or a viewer would draw those of its own URDF at zero.
+    order, whole = urdf_joints(motion.robot), motion.motion
+    position, velocity = order.position(whole).tolist(), order.velocity(whole).tolist()
+    torque = whole.joint_torque
     for k, time in enumerate(nanoseconds(motion.time)):
+        effort = [None if torque is None or at < 0 else float(torque[k, at]) for at in order.index]
         joints = [
             fm.JointState(name=name, position=q, velocity=v, effort=tau)
-            for name, q, v, tau in zip(names, position[k], velocity[k], torque[k], strict=True)
+            for name, q, v, tau in zip(order.joints, position[k], velocity[k], effort, strict=True)
         ]
         yield time, channel, fm.JointStates(timestamp=timestamp(time), joints=joints)
 

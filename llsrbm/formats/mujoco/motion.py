@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, open_archive, read_archive
 from llsrbm.files.quantity import POSITION, TIME, VELOCITY, Quantity
+from llsrbm.formats.base import ORDERS
 from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
+from llsrbm.motion.bodies import body_order
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
@@ -60,17 +62,19 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
             f"{where}: {len(splits) - 1} motions one after the other; expected one"
         )
     values = checked(arrays, {key: _STATES[key] for key in _STATES if key in arrays}, where)
-    order = _joint_order(arrays, robot, where)
-    states = {}
+    names = _joint_names(arrays, values["qpos"].shape[1] - _ROOT, robot, where)
     for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1)):
-        if key in values:
-            if values[key].shape[1] != root + len(order):
-                raise FileFormatError(
-                    f'{where}: key "{key}": expected {root + len(order)} columns, got '
-                    f"{values[key].shape[1]}"
-                )
-            columns = [*range(root), *(root + column for column in order)]
-            states[key] = values[key][:, columns]
+        if key in values and values[key].shape[1] != root + len(names):
+            raise FileFormatError(
+                f'{where}: key "{key}": expected {root + len(names)} columns, got '
+                f"{values[key].shape[1]}"
+            )
+    order = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
+    states = {
+        key: values[key][:, [*range(root), *(root + column for column in order)]]
+        for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1))
+        if key in values
+    }
     time = _times(arrays, values.get("time"), fps, where)
     return checked_motion(robot, "mujoco", where, time, states["qpos"], states.get("qvel"))
 
@@ -95,18 +99,20 @@ def _motions(names: Mapping[str, object]) -> list[str]:
     ]
 
 
-def _joint_order(arrays: Arrays, robot: Robot, where: str) -> list[int]:
+def _joint_names(arrays: Arrays, count: int, robot: Robot, where: str) -> list[str]:
+    """Of `count` joints: the file's names, else those of the robot's model or of its own URDF."""
     if "joint_names" in arrays:
-        names = _names(arrays, robot, where)
-    else:
-        # MuJoCo takes its time to import.
-        from llsrbm.simulation.scene import joints_in_model_order
+        return _names(arrays, count, where)
+    own = body_order(robot, ORDERS[0]).joints
+    if count == len(own):
+        return list(own)
+    # MuJoCo takes its time to import.
+    from llsrbm.simulation.scene import joints_in_model_order
 
-        names = list(joints_in_model_order(robot))
-    return joint_columns(names, robot, where)
+    return list(joints_in_model_order(robot))
 
 
-def _names(arrays: Arrays, robot: Robot, where: str) -> list[str]:
+def _names(arrays: Arrays, count: int, where: str) -> list[str]:
     """The file's names of joints but for the free one, which LocoMuJoCo's files name as well."""
     given = arrays["joint_names"]
     if given.dtype.kind not in "US" or given.ndim != 1:
@@ -117,7 +123,7 @@ def _names(arrays: Arrays, robot: Robot, where: str) -> list[str]:
     ]
     types = np.ravel(arrays.get("jnt_type", np.zeros(0)))
     free = names[:1] if len(types) and types[0] == _FREE else []
-    if not free and len(names) == len(robot.joint_names) + 1 and names[0] not in robot.joint_names:
+    if not free and len(names) == count + 1:
         free = names[:1]
     return names[len(free) :]
 

@@ -17,6 +17,7 @@ import numpy as np
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.request.jump import Jump
+from llsrbm.robots.robot import Robot
 
 FREE_TWIST = 0.2  # rad at which the cost of symmetry counts half
 
@@ -32,6 +33,7 @@ class Cost:
         applies: to a role: whether its stages contribute.
         term: of a stage, without the weight.
         share: of the weight that counts for a request.
+        of_arms: whether it means something for robots with arms alone.
     """
 
     name: str
@@ -41,6 +43,11 @@ class Cost:
     applies: Callable[[Role], bool]
     term: Callable[[Stage], Any]
     share: Callable[[Jump], float] = lambda _: 1.0
+    of_arms: bool = False
+
+    def concerns(self, robot: Robot) -> bool:
+        """True if the weight means something for a robot."""
+        return bool(robot.arms) or not self.of_arms
 
 
 def _moves(role: Role) -> bool:
@@ -115,19 +122,23 @@ COSTS: tuple[Cost, ...] = (
     ),
     Cost(  # of the arms' joints
         "arm_movement",
-        1e-3,
+        5e-3,
         "1/(rad/s)^2",
         "arms move less, and shape the inertia less",
         _moves_arms,
         lambda s: ca.sumsqr(s.arm_rates) / s.intervals,
+        of_arms=True,
     ),
-    Cost(  # steps of the arms' speeds
+    # Steps of the arms' speeds. With a quarter of it arms fling themselves about at their drives'
+    # limits, and of eleven jumps five more are refused; with five times as much two more.
+    Cost(
         "arm_effort",
-        1e-4,
+        4e-3,
         "1/(rad/s)^2",
         "arms swing more smoothly",
         _moves_arms,
-        lambda s: s.intervals * ca.sumsqr(s.symbols["arms_step"]),
+        lambda s: s.intervals * ca.sumsqr(s.arm_step),
+        of_arms=True,
     ),
     Cost(  # about the vertical; points do not turn
         "foot_turning",

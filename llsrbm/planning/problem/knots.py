@@ -14,7 +14,7 @@ from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.models.base import CentroidalModel
-from llsrbm.planning.problem.layout import SHIFT, Layout
+from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.parameters import (
     CORRECTION,
     local_parameters,
@@ -338,6 +338,7 @@ def pack(layout: Layout, motion: Sampled) -> Array:
             "quat": motion.quat[k],
             "momentum": motion.momentum[k],
             "rotation_rate": motion.rotation_rate[k],
+            TURNED: motion.rotation_rate[max(k - 1, 0)],
             "duration": durations[role.phase],
             "next_duration": durations[min(role.phase + 1, layout.phases - 1)],
             "force": of("force", motion.force[k]),

@@ -35,7 +35,9 @@ BODY_PLACES = {
 }
 SHIFT = "shift"
 ARMS = ("arms", "arms_velocity", "arms_step")  # states, and what changes the second one
-_SIZES = {"position": 3, "quat": 4, "velocity": 3, "momentum": 3, "rotation_rate": 3, SHIFT: 2}
+TURNED = "rotation_rate_before"  # state
+_SIZES = dict.fromkeys(("position", "velocity", "momentum", "rotation_rate", TURNED), 3)
+_SIZES |= {"quat": 4, SHIFT: 2}
 _SCALARS = ("duration", "next_duration")
 
 LEAST_INTERVALS = 3  # of a phase
@@ -59,8 +61,10 @@ class Layout:
     with d = 4 their yaw, rad; feet_velocity, that of the interval before, m/s, rad/s; feet_step,
     what is added to it as an interval begins, m/s, rad/s; feet_stop, what is added at touchdown;
     arms: the joints of free arms, rad, in all phases alike; arms_velocity, arms_step: as of feet,
-    rad/s; rotation_rate: the base's angular velocity over the interval, base axes, rad/s; shift: of
-    where feet land, horizontally, m. Of feet and forces a variable has the legs of `legs_of`.
+    rad/s, the first interval goes on as it begins; rotation_rate: the base's angular velocity over
+    the interval, base axes, rad/s; rotation_rate_before: of the interval before, with free arms,
+    whose drives feel it change; shift: of where feet land, horizontally, m. Of feet and forces a
+    variable has the legs of `legs_of`.
 
     Attributes:
         contacts: C, L times the corners of a foot.
@@ -224,9 +228,10 @@ class Layout:
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""
         shift = (SHIFT,) if role.shifts else ()
-        arms = ARMS[:2] if role.moves_arms and not role.initial else ()
+        moves_arms = role.moves_arms and not role.initial
         if role.terminal:
-            return (*BODY, *arms, *shift)
+            return (*BODY, *(ARMS[:2] if moves_arms else ()), *shift)
+        arms = (*ARMS[:2], TURNED) if moves_arms else ()
         feet = ("feet", "feet_velocity") if role.in_air and not role.initial else ()
         force = ("force",) if role.standing else ()
         return (*(() if role.initial else BODY), *arms, *feet, *force, "duration", *shift)
@@ -236,7 +241,7 @@ class Layout:
         if role.terminal:
             return ()
         names = ["force_step"] if self._force_steps(role) else []
-        names += [ARMS[2]] if role.moves_arms else []
+        names += [ARMS[2]] if role.moves_arms and not role.initial else []
         names += ["feet_step"] if role.swinging else []
         names += ["feet_stop"] if role.settling else []
         names += ["next_feet", "next_feet_velocity"] if role.rising else []

@@ -8,6 +8,8 @@ from typing import Any
 import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
+from llsrbm.models.arms import Carried
+from llsrbm.planning.problem.layout import TURNED
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import direction
 from llsrbm.planning.problem.stage_feet import StageFeet
@@ -81,16 +83,36 @@ class Stage(StageFeet):
         arms = self.model.arms
         if arms is None:
             return ca.SX(0, 1)
-        step, span = self.symbols["arms_step"], self.dt / 2 if self.role.initial else self.dt
+        acceleration = self.lift(self.arm_step / self.dt)
         torque = arms.torques(
             self.arm_angles,
-            self.lift(self.arms_of("arms_velocity") + step / 2),
-            self.lift(step / span),
+            self.lift(self.arms_of("arms_velocity") + self.arm_step / 2),
+            acceleration,
             self.rotation_rate,
-            self._specific_force_base,
+            self.lift(self.rotation_acceleration),
+            self.lift(self._force_on_base(arms.carried(self.arm_angles, acceleration, self.lift))),
             self.lift,
         )
         return self.lift(torque / ca.DM(arms.torque_limit))
+
+    def _force_on_base(self, arms: Carried) -> Any:
+        """Specific force on the base's origin as the interval begins, base axes, (3, 1) m/s2.
+
+        The CoM's, and how limbs move the CoM against the base: standing legs, which stay below,
+        swinging ones and the arms. As a foot lands it is that of the flight before: half of the
+        arms' step is made there.
+
+        Args:
+            arms: with their accelerations in place of their rates.
+        """
+        if self.role.landing:
+            return self.model.offset_map(()).rate({}, arms)
+        legs = {i: steps[0][0] / steps[0][1] for i, steps in self.feet_steps.items()}
+        away = -self._acceleration_base
+        still = ca.SX.zeros(self.layout.foot_coordinates - 3)
+        legs |= {i: ca.vertcat(away, still) for i in self.role.standing}
+        moved = self.model.offset_map(self.role.standing).rate(legs, arms)
+        return self._specific_force_base + moved
 
     def _swing_torque(self, leg: int, x: Any, x_rate: Any, x_acceleration: Any) -> Any:
         drives = self.model.drives
@@ -217,6 +239,7 @@ class Stage(StageFeet):
             "quat": lambda: self.quat_end,
             "velocity": lambda: self.velocity_end,
             "momentum": lambda: self.momentum + self.moment * self.dt,
+            TURNED: lambda: self.rotation_rate,
             "arms": lambda: self.arm_angles + self.arm_rates * self.dt,
             "arms_velocity": lambda: self.arm_rates,
             "force": lambda: self._next_force(following),

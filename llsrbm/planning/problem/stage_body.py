@@ -11,7 +11,7 @@ from llsrbm.mechanics import GRAVITY
 from llsrbm.models.arms import Carried
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.lifting import Lifting
-from llsrbm.planning.problem.layout import SHIFT, Layout
+from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
 
@@ -109,8 +109,12 @@ class StageBody:
         """(A n, 1) rad/s over the interval, even; at the end those of the one before."""
         if not self.role.moves_arms:
             return ca.SX(0, 1)
-        before = self.arms_of("arms_velocity")
-        return before if self.role.terminal else self.lift(before + self.symbols["arms_step"])
+        return self.lift(self.arms_of("arms_velocity") + self.arm_step)
+
+    @property
+    def arm_step(self) -> Any:
+        """(A n, 1) rad/s: by how much they are faster than over the interval before."""
+        return self.symbols.get("arms_step", ca.SX.zeros(self.layout.arm_joints))
 
     def arms_after(self, since: Any) -> Carried | None:
         """The free arms so long after the knot, s."""
@@ -228,6 +232,12 @@ class StageBody:
     def rotation_rate(self) -> Any:
         """omega of the base over the interval, (3, 1) rad/s, base axes."""
         return self.symbols["rotation_rate"]
+
+    @property
+    def rotation_acceleration(self) -> Any:
+        """Of the base as the interval begins, with free arms, (3, 1) rad/s2, base axes."""
+        before = self.symbols.get(TURNED, self.rotation_rate)
+        return (self.rotation_rate - before) / self.dt
 
     @cached_property
     def _half_turn(self) -> Any:

@@ -204,6 +204,14 @@ class Task:
         return index if free else index[:0]
 
     @cached_property
+    def held_arms(self) -> NDArray[np.int64]:
+        """(n,) places among `joint_names` of the joints of arms that are held, as if they were
+        locked: no plan is refused for what that takes.
+        """
+        index: NDArray[np.int64] = np.setdiff1d(self.robot.arm_joint_index, self.free_arms)
+        return index
+
+    @cached_property
     def lowest_hips(self) -> float:
         """Least height of the hips above the frames of standing feet, m."""
         robot = self.robot

@@ -1,4 +1,4 @@
-"""The legs of a URDF: their chains, ends, and contacts with the ground."""
+"""The limbs of a URDF: their chains and ends, and contacts of the legs with the ground."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.draft.arms import ArmAnatomy, arm_anatomy, arm_joints
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import AddedFrame, UrdfSource
 from llsrbm.robots.urdf import BASE_JOINT, collision_geometry, frame_id, load_model
@@ -32,11 +33,13 @@ _TURNED = 1e-3  # rad, likewise
 
 @dataclass(frozen=True, eq=False)
 class Anatomy:
-    """L legs of n joints, as the URDF has them with what moves no foot held.
+    """L legs of n joints and two arms or none, as the URDF has them with all other joints held.
 
     Attributes:
         urdf: the file as it is; model: Pinocchio's, with joints held and frames added.
         held, frames: these, as in a robot file's table [urdf].
+        arms: the left and the right one.
+        shapes: the URDF's collision geometry.
         names: (L,) made from where the feet are: FL, FR, RL, RR; or left, right.
         feet: (L,) names of the feet's frames; hips: (L,) of the joints that swing legs forward.
         joint_ids: (L, n) in the model, from the base outwards.
@@ -59,6 +62,8 @@ class Anatomy:
     upper: Array
     corners: tuple[tuple[float, float], ...]
     radius: float | None
+    arms: tuple[ArmAnatomy, ...]
+    shapes: list[pin.GeometryObject]
     held: dict[str, float] = field(default_factory=dict)
     frames: dict[str, AddedFrame] = field(default_factory=dict)
 
@@ -81,7 +86,9 @@ def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
     """
     model = load_model(urdf, urdf)
     legs, spare = _legs(model, urdf)
-    held = {model.names[joint]: _rest(model, joint) for joint in spare}
+    arms = arm_joints(model, spare)
+    free = {joint for arm in arms for joint in arm}
+    held = {model.names[j]: _rest(model, j) for j in spare if model.names[j] not in free}
     changed = UrdfSource(file=urdf.name, held=held)
     model, path, dirs = _adapted(urdf, package_dirs, changed)
     joints = [[model.getJointId(name) for name in leg] for leg in legs]
@@ -121,6 +128,8 @@ def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
         upper=np.minimum(model.upperPositionLimit[at], np.pi),
         corners=corners,
         radius=radius,
+        arms=arm_anatomy(model, arms),
+        shapes=shapes,
         held=changed.held,
         frames=changed.frames,
     )

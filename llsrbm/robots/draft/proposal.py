@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import GRAVITY
+from llsrbm.robots.draft import arm_posture
 from llsrbm.robots.draft.anatomy import Anatomy
 
 Array = NDArray[np.float64]
@@ -53,14 +54,18 @@ def propose(anatomy: Anatomy) -> Proposal:
         near, standing, far = (shortest + share * (length - shortest) for share in _OF_STROKE)
         basis = f"a stroke of {length - shortest:.3f} m"
         length = far / _FARTHEST  # of a leg that bends and reaches as far
-    angles, seen = _posture(anatomy, standing)
+    arms = np.zeros((0, 0))
+    angles, seen = _posture(anatomy, standing, arms)
+    if anatomy.arms:  # clear of the legs, above whose soles the CoM with the arms then is
+        arms = arm_posture.hang(anatomy, _joined(anatomy, angles, arms))
+        angles, seen = _posture(anatomy, standing, arms)
     outward = np.where(anatomy.hip_position[:, 1] < 0, -1.0, 1.0)
     side = float(np.mean(outward * seen[:, 1]))
     ahead = float(np.mean(seen[:, 0])) if anatomy.has_soles else 0.0
     values: dict[str, Any] = {
-        f"posture.{name}": [round(float(q), 4) + 0.0 for q in angles[k]]
-        for k, name in enumerate(anatomy.names)
+        f"posture.{name}": _radians(angles[k]) for k, name in enumerate(anatomy.names)
     }
+    values |= _arms(anatomy, _joined(anatomy, angles, arms))
     values |= {
         "reach.distance": _metres(near, far),
         "reach.lower": _metres(
@@ -87,6 +92,9 @@ def propose(anatomy: Anatomy) -> Proposal:
         "timing": "as of robots that are tuned",
         "task": "by the legs' length",
     }
+    if anatomy.arms:
+        guessed["arms"] = "what hangs in a mirrored pair, up to the elbow"
+        guessed["arm_reach"] = "to the stops, or to where an arm that hangs meets the trunk"
     _drives(anatomy, length, values, guessed)
     if anatomy.radius is not None:
         values["foot.radius"] = anatomy.radius
@@ -110,8 +118,23 @@ def _distances(anatomy: Anatomy) -> tuple[float, float]:
     return float(distance.min()), float(distance.max(axis=0).min())
 
 
-def _posture(anatomy: Anatomy, standing: float) -> tuple[Array, Array]:
-    """Joint angles (L, n) with hips so high, m, above their feet; and these (L, 3) m from there."""
+def _arms(anatomy: Anatomy, posture: Array) -> dict[str, Any]:
+    """How the arms hang, from a posture (nq,), and how far they may move."""
+    values: dict[str, Any] = {
+        f"posture.{arm.name}": _radians(posture[_index(anatomy, arm.joint_ids)])
+        for arm in anatomy.arms
+    }
+    if anatomy.arms:
+        lower, upper = arm_posture.ends(anatomy, posture)
+        values["arm_reach.lower"], values["arm_reach.upper"] = _radians(lower), _radians(upper)
+    return values
+
+
+def _posture(anatomy: Anatomy, standing: float, arms: Array) -> tuple[Array, Array]:
+    """Joint angles (L, n) with hips so high, m, above their feet; and these (L, 3) m from there.
+
+    arms: (A, n) angles, of which the CoM depends too; none: as they are at zero.
+    """
     shift, forward = 0.0, [_mirrors_a_front_leg(anatomy, k) for k in range(len(anatomy.names))]
     for _ in range(8 if anatomy.has_soles else 1):  # until the CoM is above the soles
         angles = np.array(
@@ -121,7 +144,8 @@ def _posture(anatomy: Anatomy, standing: float) -> tuple[Array, Array]:
             ]
         )
         foot = anatomy.chains.motion(angles).foot
-        off = _com(anatomy, angles)[0] - foot[:, 0].mean()
+        q = _joined(anatomy, angles, arms)
+        off = pin.centerOfMass(anatomy.model, anatomy.model.createData(), q)[0] - foot[:, 0].mean()
         shift += off
     return angles, foot - anatomy.hip_position
 
@@ -206,13 +230,17 @@ def _link_places(anatomy: Anatomy, leg: int) -> Array:
     return np.array(places) - anatomy.hip_position[leg]
 
 
-def _com(anatomy: Anatomy, angles: Array) -> Array:
-    model = anatomy.model
-    q = pin.neutral(model)
-    for leg, joints in enumerate(anatomy.joint_ids):
-        q[[model.joints[j].idx_q for j in joints]] = angles[leg]
-    com: Array = pin.centerOfMass(model, model.createData(), q)
-    return com
+def _joined(anatomy: Anatomy, legs: Array, arms: Array) -> Array:
+    """Posture (nq,) from the angles of legs and arms, the base level at the origin."""
+    q = pin.neutral(anatomy.model)
+    limbs = [*anatomy.joint_ids, *(arm.joint_ids for arm in anatomy.arms[: len(arms)])]
+    for joints, angles in zip(limbs, [*legs, *arms], strict=True):
+        q[_index(anatomy, joints)] = angles
+    return q
+
+
+def _index(anatomy: Anatomy, joints: tuple[int, ...]) -> list[int]:
+    return [anatomy.model.joints[j].idx_q for j in joints]
 
 
 def _apart(anatomy: Anatomy, length: float) -> float:
@@ -262,6 +290,10 @@ def _gains(
             round(damping * quicker, 1),
         ]
     guessed["control"] = f"gains for legs of {length:.2f} m"
+
+
+def _radians(angles: Array) -> list[float]:
+    return [round(float(angle), 4) + 0.0 for angle in angles]
 
 
 def _metres(*lengths: float) -> list[float]:

@@ -10,9 +10,10 @@ from typing import Any
 from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.draft.proposal import Proposal
 
-_TABLES = ("foot", "reach", "limits", "timing", "task", "example")
+_TABLES = ("foot", "reach", "arm_reach", "limits", "timing", "task", "example")
 _COMMENTS = {
     "reach": "Where a foot may be, seen from its hip: x forward, y outward, m.",
+    "arm_reach": "Where the first arm may be, joint angles, rad; the other one mirrored.",
     "limits": "Nm or N and rad/s or m/s, a number a joint of a leg; m, m/s.",
     "timing": "s, shortest and longest.",
     "task": "What may be asked: rad, m.",
@@ -25,6 +26,7 @@ _COMMENTS = {
 def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal: Proposal) -> str:
     """A robot file of that short name, table [urdf] and proposal."""
     title = name.replace("_", " ").replace("-", " ").title()
+    limbs = [*anatomy.names, *(arm.name for arm in anatomy.arms)]
     lines = [
         f"# {title}, {anatomy.mass:.4g} kg. Written by `llsrbm robot new` from the URDF alone:",
         '# check what is marked "guessed", docs/add_a_robot.md says how.',
@@ -42,10 +44,11 @@ def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal:
             f"{leg} = {{ foot = {_value(foot)}, hip = {_value(hip)} }}"
             for leg, foot, hip in zip(anatomy.names, anatomy.feet, anatomy.hips, strict=True)
         ),
+        *_arms(anatomy, proposal),
         "",
         f"# Guessed: {proposal.guessed['posture']}. Joint angles, rad, from the base outwards.",
         "[posture]",
-        *(f"{leg} = {_value(proposal.values[f'posture.{leg}'])}" for leg in anatomy.names),
+        *(f"{limb} = {_value(proposal.values[f'posture.{limb}'])}" for limb in limbs),
     ]
     for table in _TABLES:
         lines += _table(table, proposal)
@@ -60,10 +63,18 @@ def _held(anatomy: Anatomy) -> list[str]:
     if not anatomy.held:
         return []
     rows = [f"{_key(name)} = {_value(angle)}" for name, angle in anatomy.held.items()]
+    what = "neither foot nor arm" if anatomy.arms else "no foot"
     comment = (
-        "# Joints that move no foot stay at these angles, rad. Guessed: at zero, or next to it."
+        f"# Joints that move {what} stay at these angles, rad. Guessed: at zero, or next to it."
     )
     return ["", comment, "[urdf.held]", *rows]
+
+
+def _arms(anatomy: Anatomy, proposal: Proposal) -> list[str]:
+    if not anatomy.arms:
+        return []
+    rows = [f"{arm.name} = {{ hand = {_value(arm.hand)} }}" for arm in anatomy.arms]
+    return ["", f"# Guessed: {proposal.guessed['arms']}.", "[arms]", *rows]
 
 
 def _frames(anatomy: Anatomy) -> list[str]:

@@ -10,6 +10,7 @@ import pytest
 from app.link import PlayerMoved, PushDragged
 from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
 from app.panel.acts import Act
+from app.tab.acts import is_visible
 from app.tab.effects import Keep, Pause, Play, Seek
 from app.tab.pushing import push_shown
 from app.workers.reports import Cancelled, Simulated, SimulatedSoFar
@@ -274,6 +275,21 @@ def test_another_model_is_planned_and_simulated(model, other):
     assert [pin.rollout.jump.model for pin in tab.state.pins] == [model]
     assert tab.state.rollout.jump.model == other
     assert tab.state.rollout.scenario.pushes == pushes(tab)
+
+
+def test_the_same_push_is_simulated_with_held_arms():
+    tab = planned_tab(robot="g1")
+    stand_at(tab, 0.5)
+    tick_push(tab)
+    assert is_visible(Act.COMPARE_ARMS, tab.state)
+    tab.take(Act.COMPARE_ARMS)
+    tab.finish_simulation()
+    assert tab.submits[-1].task.jump.arms == "held"
+    tab.settle()
+    tab.finish_simulation()
+    assert [pin.rollout.jump.arms for pin in tab.state.pins] == ["free"]
+    assert tab.state.rollout.jump.arms == "held"
+    assert not is_visible(Act.COMPARE_ARMS, pushed_tab().state)
 
 
 def test_a_full_comparison_says_so():

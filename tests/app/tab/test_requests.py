@@ -106,6 +106,21 @@ def test_what_did_not_converge_or_is_of_another_model_is_no_start(tab):
     assert (tab.one.task.near, tab.one.task.patient) == (None, True)
 
 
+def test_free_arms_are_no_start_for_held_ones():
+    tab = planned_tab(robot="g1")
+    tab.move(arms="held")
+    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+
+
+@pytest.mark.parametrize(
+    ("robot", "arms"), [("anymal", "free"), ("g1_legs", "free"), ("g1", "held")]
+)
+def test_a_robot_without_arms_holds_none(robot, arms):
+    tab = planned_tab(robot="g1", arms="held")
+    tab.move(robot=robot)
+    assert tab.state.design.jump.arms == arms
+
+
 def test_the_same_request_is_not_planned_twice(tab):
     before = tab.state.design
     assert tab.move() == ()

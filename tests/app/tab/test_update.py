@@ -136,6 +136,7 @@ WISHES = st.one_of(
             Act.SEEDS,
             Act.COMPARE_REPLANNING,
             Act.COMPARE_MODEL,
+            Act.COMPARE_ARMS,
             PushDragged(0.4, 0.3, 0.0, ended=False),
             PushDragged(0.4, 0.3, -0.1, ended=True),
             Act.WORST,

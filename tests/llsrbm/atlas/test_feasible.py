@@ -85,6 +85,12 @@ def test_what_was_not_sampled_is_said(anymal, changes, limits, why):
     assert learned(found, jump, limits, anymal, planned=False) is found
 
 
+def test_held_arms_matter_to_robots_that_have_some(anymal):
+    held = replace(JUMP, arms="held")
+    assert why_unknown(held, {}, anymal) == ""
+    assert why_unknown(replace(held, robot="g1"), {}, load_robot("g1")) == "with the arms held"
+
+
 def test_a_robot_with_other_numbers_has_none(anymal, monkeypatch):
     monkeypatch.setattr(feasible, "numbers_key", lambda robot: "another")
     feasible_of.cache_clear()

@@ -36,6 +36,16 @@ def test_a_jump_is_found_by_its_number_with_its_request(tmp_path):
     assert [atlas.find(number) for number in (-1, 0, 5, 8)] == [None] * 4
 
 
+@pytest.mark.parametrize("name", ["t.parquet", "small.npz", "small.parquet"])
+@pytest.mark.parametrize("arms", ["free", "held"])
+def test_a_jump_has_its_sweeps_arms(tmp_path, name, arms):
+    table = write(tmp_path / "t.parquet", [row(3, robot="g1", arms=arms)])
+    if name != table.name:
+        write_small(table, tmp_path / name)
+    jumps, place = read_atlas(tmp_path / name).find(3)
+    assert jumps.request(place)[0].arms == arms
+
+
 def test_seeds_come_together_whatever_their_order(tmp_path):
     falls = {"landed": False, "strict": False}
     rows = [

@@ -47,6 +47,8 @@ def test_options_become_a_request_in_radians(planner, capsys):
             llsrbm.Jump(type="run-up", speed=0.25, end_speed=0.125),
         ),
         ("--speed 0.25", llsrbm.Jump(speed=0.25)),
+        ("--arms held", llsrbm.Jump(arms="held")),
+        ("--arms free", llsrbm.Jump()),
     ],
 )
 def test_a_silent_request_is_the_types(planner, words, jump):
@@ -63,6 +65,7 @@ def test_a_silent_request_is_the_types(planner, words, jump):
         ("--pitch 90", "pitch: 90 deg; expected whole turns: -360, 0 or 360 deg"),
         ("--hops 9", "hops: expected 1 to 5, got 9"),
         ("--speed nan", "speed: expected a finite number, got nan"),
+        ("--arms helt", 'arms: no choice "helt"; did you mean "held"? valid: free, held'),
     ],
 )
 def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):

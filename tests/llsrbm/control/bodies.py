@@ -47,4 +47,5 @@ def resting_target(legs: int = 4, joints: int = 12) -> Target:
         foot_heading=np.zeros((legs, 3)),
         joint_position=np.zeros(joints),
         joint_velocity=np.zeros(joints),
+        joint_acceleration=np.zeros(joints),
     )

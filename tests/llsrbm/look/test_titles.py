@@ -43,6 +43,7 @@ PUSH = Push(0.4, (0, 12, 0))
             ),
         ),
         ("90° llsrbm-plus, 2 pushes", (TWIST, Tuning(), Scenario(pushes=(PUSH, PUSH)))),
+        ("g1 180° llsrbm-plus, arms held", (Jump("g1", twist=math.pi, arms="held"),)),
         ("go2 back flip llsrbm-plus", (Jump("go2", type="flip", pitch=-math.tau),)),
         (
             "2 x front flip + 90° llsrbm-plus",
@@ -77,6 +78,10 @@ def test_several_tell_what_differs_only():
     assert titles_of([(TWIST, Tuning(), None), (Jump("go2"), Tuning(), None)]) == (
         "90° llsrbm-plus",
         "go2 on the spot llsrbm-plus",
+    )
+    assert titles_of([(Jump("g1", arms=arms), Tuning(), None) for arms in ("free", "held")]) == (
+        "on the spot llsrbm-plus",
+        "on the spot llsrbm-plus, arms held",
     )
 
 

@@ -15,7 +15,7 @@ def test_depth_first_is_what_mujoco_has(name):
     bodies = [model.body(i).name for i in range(1, model.nbody)]
     assert [body for body in bodies if not body.startswith("world/")] == list(order.bodies)
     assert [model.joint(i).name for i in range(1, model.njnt)] == list(order.joints)
-    assert [robot.joint_names[i] for i in order.joint_index] == list(order.joints)
+    assert [robot.joint_names[i] for i in order.index] == list(order.joints)
 
 
 def test_breadth_first_is_what_isaac_lab_has():

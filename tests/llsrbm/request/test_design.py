@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.request.design import LARGEST, Design, dump_design, file_name, load_design
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import ARMS, Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 
@@ -20,7 +20,9 @@ amounts = st.floats(-100, 100)
 names = st.text(string.ascii_lowercase + "_-", min_size=1, max_size=20)
 printable = st.characters(categories=("L", "N", "P", "S"))
 tables = st.dictionaries(names, st.floats(-1e9, 1e9), max_size=5)
-jumps = st.builds(Jump, names, names, amounts, amounts, amounts, amounts)
+jumps = st.builds(
+    Jump, names, names, amounts, amounts, amounts, amounts, arms=st.sampled_from(ARMS)
+)
 vectors = st.tuples(*[st.floats(-25, 25)] * 3)
 scenarios = st.builds(
     Scenario,
@@ -62,7 +64,7 @@ def test_a_design_comes_back_as_it_was(design):
 
 def test_a_file_holds_the_task_and_what_differs(tmp_path):
     design = Design(
-        Jump(robot="go2", twist=-0.5, forward=0.2),
+        Jump(robot="go2", twist=-0.5, forward=0.2, arms="held"),
         Tuning(limits={"friction": 0.4}),
         Scenario(board=0.025, seed=7),
         title="On ice",
@@ -80,11 +82,17 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
             "forward": 0.2,
             "lateral": 0.0,
             "height": 0.0,
+            "arms": "held",
         },
         "limits": {"friction": 0.4},
         "scenario": {"board": 0.025, "seed": 7},
     }
     assert load_design(path) == load_design(str(path)) == design
+
+
+def test_a_file_from_before_there_were_arms_has_them_free():
+    content = b'{"schema": "llsrbm.design/1", "jump": {"robot": "g1", "model": "srbm"}}'
+    assert load_design(content).jump == Jump("g1", "srbm", arms="free")
 
 
 @pytest.mark.parametrize(
@@ -110,6 +118,10 @@ def test_a_file_holds_the_task_and_what_differs(tmp_path):
         (
             written(jump={"robot": "go2", "model": "srbm", "pitch": 1.0}),
             "design: jump: pitch: 57.2958 deg; expected whole turns: -360, 0 or 360 deg",
+        ),
+        (
+            written(jump={"robot": "g1", "model": "srbm", "arms": "up"}),
+            'design: jump: arms: no choice "up"; valid: free, held',
         ),
         (written(title="x" * 81), "design: title: string should have at most 80 characters, got"),
         (written(note="two\nlines"), "design: note: expected one line of printable text, got"),

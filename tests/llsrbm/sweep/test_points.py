@@ -48,6 +48,11 @@ def test_the_count_is_that_of_the_points(twists, forwards, frictions, torques):
         assert found == pytest.approx(expected[k])
 
 
+def test_arms_are_free_unless_the_spec_holds_them():
+    for line, arms in (("", "free"), ('arms = "held"\n', "held")):
+        assert [point.jump.arms for point in Points(parse_spec(HEAD + line, "x"))] == [arms]
+
+
 def test_rows_and_ids_say_which_point_it_is():
     points = Points(spec(GRID + "[simulate]\nseeds = 3\n"))
     assert points.rows == 3 * points.count

@@ -37,6 +37,9 @@ RESERVE = 0.006
 AGAIN, AGAIN_SHARE = 0.003, 0.7
 # Shifted bounds leave the rows this much on either side.
 LEAST = 0.03
+# By no more of a limit they are shifted, or a motion that is far from a solution would close them;
+# of arms by more, whose drives are weak against what a landing asks of them over one interval.
+MOST, MOST_OF_ARMS = 0.5, 1.0
 
 MIDDLE, EDGE = 0, 1  # where over an interval, in arrays (N, 2, J)
 Place = tuple[int, int, int]  # in one
@@ -101,7 +104,7 @@ class DriveConstraint(AgreedConstraint):
         """(N, 2, J) in the constraint's unit; below zero where there is room, or no edge."""
         top = self.tops(knots.task) + self.allowance(knots)
         excess = (np.abs(self.checked_shares(knots)) - top[:, None]) / self.share_of(knots)
-        return _of_edges(excess)
+        return of_planned(_of_edges(excess), knots)
 
     @abstractmethod
     def checked_shares(self, knots: Knots) -> Array:
@@ -123,7 +126,9 @@ class DriveConstraint(AgreedConstraint):
         after = np.where(both, rows[1:], rows[:-1])
         after[:, MIDDLE] = np.where(np.isnan(settled), after[:, MIDDLE], settled)
         here = (rows[:-1] + after) / 2
-        beyond = np.nan_to_num(self.checked_shares(knots) - here).clip(-0.5, 0.5)
+        most = np.full(knots.task.joints, MOST)
+        most[knots.task.free_arms] = MOST_OF_ARMS
+        beyond = np.nan_to_num(self.checked_shares(knots) - here).clip(-most, most)
         known = knots.task.agreed_bounds.get(self.name)
         reserve = np.zeros_like(rows)
         if known is not None:
@@ -198,7 +203,9 @@ def _swings_on(knots: Knots) -> NDArray[np.bool_]:
     joints = np.zeros((len(on), 2, knots.task.joints), dtype=bool)
     for leg, mine in enumerate(knots.task.robot.leg_joint_index):
         joints[:, MIDDLE, mine] = on[:, [leg]]
-    joints[:-1, MIDDLE, knots.task.free_arms] = True
+    # Arms swing on in every phase, but what carries the base changes from one to the next.
+    same = np.append((swings[1:] == swings[:-1]).all(axis=1), False)
+    joints[:, MIDDLE, knots.task.free_arms] = same[:, None]
     return joints
 
 
@@ -212,6 +219,12 @@ def _on_rows(amounts: Array, both: NDArray[np.bool_], larger: np.ufunc) -> Array
 def at_middle_and_edge(middle: Array, edge: Array) -> Array:
     """(N, 2, J) of (N, J) each."""
     return np.stack([middle, edge], axis=1)
+
+
+def of_planned(excess: Array, knots: Knots) -> Array:
+    """(N, 2, J) likewise with room where arms are held."""
+    excess[..., knots.task.held_arms] = -np.inf
+    return excess
 
 
 def _of_edges(excess: Array) -> Array:

@@ -24,6 +24,7 @@ from llsrbm.planning.problem.constraints.drive_rows import (
     DriveConstraint,
     Place,
     at_middle_and_edge,
+    of_planned,
     when_in,
 )
 from llsrbm.planning.problem.knots import Knots
@@ -132,7 +133,7 @@ class TorqueAtSpeed(JointTorque):
         loads, task = knots.loads, knots.task
         allowed = super().allowance(knots)[0] * task.robot.torque_limit
         torque = np.abs(loads.joint_torque)[:, None]
-        return torque - task.limits.torque_share * _available(knots) - allowed
+        return of_planned(torque - task.limits.torque_share * _available(knots) - allowed, knots)
 
     def checked_shares(self, knots: Knots) -> Array:
         torque = knots.loads.joint_torque * self.share_of(knots)
@@ -204,7 +205,7 @@ class JointSpeed(DriveConstraint):
         """The speed that exceeds its share most."""
         robot, shares = knots.task.robot, np.abs(_speed_shares(knots))
         tops = self.tops(knots.task)
-        place = _largest(shares - tops[:, None])
+        place = _largest(of_planned(shares - tops[:, None], knots))
         if place is None:
             return None
         interval, where, joint = place
@@ -219,7 +220,7 @@ def torque_demand(knots: Knots) -> JointDemand | None:
     loads, robot = knots.loads, knots.task.robot
     has = knots.task.limits.torque_share * _available(knots)
     torque = np.abs(loads.joint_torque)
-    place = _largest((torque[:, None] - has) / robot.torque_limit)
+    place = _largest(of_planned((torque[:, None] - has) / robot.torque_limit, knots))
     if place is None:
         return None
     interval, _, joint = place
@@ -258,7 +259,7 @@ def speed_unit(robot: Robot, joint: str) -> str:
 
 def _largest(excess: Array) -> Place | None:
     """Where the largest of (N, 2, J) is; None if nothing is exceeded, or by no number."""
-    if not np.isfinite(excess[:, MIDDLE]).all() or np.nanmax(excess) <= 0:
+    if np.isnan(excess[:, MIDDLE]).any() or not 0 < np.nanmax(excess) < np.inf:
         return None
     interval, where, joint = np.unravel_index(np.nanargmax(excess), excess.shape)
     return int(interval), int(where), int(joint)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
+from app.motion.frames import make_frames
 from app.picture.overlays.forces import METRES_PER_UNIT, AngularMomentum
 from app.picture.scene import Scene
 from llsrbm.robots import load_robot
@@ -85,6 +88,30 @@ def test_a_solid_of_the_robots_mass_has_the_planned_inertia(name):
         assert track.position[frame] == pytest.approx(motion.com[frame])
     _, rigid = track_of(clip, "/ellipsoid/srbm/wires")
     assert inertia(robot.mass, rigid, 0) == pytest.approx(robot.inertia, rel=1e-6, abs=1e-6)
+
+
+@pytest.mark.parametrize("simulation", [False, True])
+def test_with_arms_it_is_compared_with_the_same_postures_whose_arms_are_held(simulation):
+    client, robot = RecordedClient(), load_robot("g1")
+    shown = picture("g1", {"ellipsoids"}, simulation=simulation)
+    clip = Scene(client).draw(shown)
+    assert "/ellipsoid/srbm" not in client.scene.seen()
+    time, held = track_of(clip, "/ellipsoid/held_arms/wires")
+    assert time is shown.solid.time
+    # Legs and arms of a made-up plan are stiff.
+    base = Rotation.from_quat(shown.planned.motion.base_quat[0], scalar_first=True).as_matrix()
+    expected = base @ robot.inertia @ base.T
+    assert inertia(robot.mass, held, 0) == pytest.approx(expected, rel=1e-4, abs=1e-4)
+
+
+def test_raised_arms_are_as_they_hang_in_the_ellipsoid_of_held_ones():
+    robot, motion = load_robot("g1"), planned("g1").motion
+    joints = motion.joint_position.copy()
+    joints[:, robot.arm_joint_index] += 0.5
+    raised = make_frames(replace(motion, joint_position=joints))
+    for one, other in zip(raised.held_arms, planned("g1").frames.held_arms, strict=True):
+        assert one == pytest.approx(other)
+    assert planned("anymal").frames.held_arms is None
 
 
 def test_beside_a_simulation_the_whole_bodys_takes_the_place_of_srbms():
