@@ -70,8 +70,11 @@ class NearLinks:
         self._reach = reach[pairs[:, 0]] + reach[pairs[:, 1]]
         self._measured = np.full(len(pairs), -np.inf)  # m, and with which joints
         self._joints = np.zeros_like(self._reach)
+        robot = shapes.robot
         limb_of = {
-            joint: place for place, leg in enumerate(shapes.robot.legs) for joint in leg.joint_ids
+            joint: place
+            for place, limb in enumerate((*robot.legs, *robot.arms))
+            for joint in limb.joint_ids
         }
         limbs = [limb_of.get(shape.joint, -1) for shape in shapes.shapes]
         self._limbs = [(limbs[one], limbs[other]) for one, other in self._pairs]

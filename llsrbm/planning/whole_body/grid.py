@@ -119,7 +119,7 @@ class Grid:
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """Numbers of a robot's joints, legs and contact points, and what its variables are scaled by.
+    """Numbers of a robot's joints, limbs and contact points, and what its variables are scaled by.
 
     Attributes:
         weight: N of the robot; unit_force: N, of a contact point's force.
@@ -127,14 +127,15 @@ class Sizes:
 
     joints: int
     legs: int
+    arms: int
     corners: int
     weight: float
 
     @classmethod
     def of(cls, robot: Robot) -> Sizes:
         """A robot's."""
-        corners, legs = len(robot.corners), len(robot.legs)
-        return cls(len(robot.joint_names), legs, corners, robot.mass * GRAVITY)
+        limbs = len(robot.legs), len(robot.arms)
+        return cls(len(robot.joint_names), *limbs, len(robot.corners), robot.mass * GRAVITY)
 
     @property
     def unit_force(self) -> float:
@@ -194,7 +195,7 @@ class Sizes:
     @property
     def near(self) -> int:
         """Pairs of links, or of a link and a box, that are kept apart: the soonest."""
-        return self.legs
+        return self.legs + self.arms
 
     @property
     def posture(self) -> int:

@@ -37,10 +37,11 @@ def _hands(robot, angles):
     return np.array([data.oMf[arm.hand_frame_id].translation for arm in robot.arms])
 
 
+@pytest.mark.parametrize("name", ["g1", "talos"])
 @given(share=st.lists(st.floats(0.0, 1.0), min_size=4, max_size=4))
-@settings(max_examples=50)
-def test_mirrored_angles_bring_hands_to_mirrored_places(share):
-    robot = load_robot("g1")
+@settings(max_examples=30)
+def test_mirrored_angles_bring_hands_to_mirrored_places(name, share):
+    robot = load_robot(name)
     low, high = robot.arm_ends[:, :4]
     first = low + np.array(share) * (high - low)
     left, right = _hands(robot, [first, first * robot.arms[1].mirror])
@@ -79,8 +80,16 @@ def test_stops_end_a_reach_that_is_wider(tmp_path):
     assert low[5] == pytest.approx(-2.2515)
 
 
-def test_the_trunk_is_the_base_of_the_robot_whose_arms_are_held():
-    free, held = load_robot("g1"), load_robot("g1_legs")
+def test_the_trunk_is_the_base_of_the_robot_whose_arms_are_held(tmp_path):
+    free = load_robot("g1")
+    at = zip([name for arm in free.arms for name in arm.joints], free.arm_angles, strict=True)
+    rows = "\n".join(f"{name} = {float(angle)}" for name, angle in at)
+    text = re.sub(r"(?m)^(?:left|right)_arm = .*\n|^\[arms\]\n", "", G1)
+    text = re.sub(r"(?s)\[arm_reach\].*?\n\n", "", text)
+    path = tmp_path / "held.toml"
+    path.write_text(text.replace("[urdf.held]", f"[urdf.held]\n{rows}"))
+    held = load_robot(str(path))
+    assert held.arms == ()
     assert free.mass == pytest.approx(held.mass)
     assert free.base.mass < 0.7 * held.base.mass
     assert free.trunk.mass == pytest.approx(held.base.mass)
