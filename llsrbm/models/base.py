@@ -75,7 +75,7 @@ class OffsetMap:
 
     def _of_feet(self, feet: dict[int, Matrix]) -> Matrix:
         parts = (ca.mtimes(_sparse(G), feet[i]) for i, G in self.maps.items() if i in feet)
-        return sum(parts, start=ca.SX.zeros(3))
+        return sum(parts)
 
 
 class CentroidalModel(ABC):
