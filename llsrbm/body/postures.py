@@ -130,9 +130,10 @@ def joint_speeds(
         rate = np.concatenate([rate, TURN_ARM * turn], axis=-1)
         jacobian = np.concatenate([jacobian, TURN_ARM * motion.foot_turning], axis=-2)
     speeds = np.zeros_like(position)
-    if arm_speed is not None:
+    carried: Array | float = 0.0
+    if arm_speed is not None and robot.arms:
         speeds[:, robot.arm_joint_index] = arm_speed
-    carried = apply(motion.com_jacobian_all, speeds)
+        carried = apply(motion.com_jacobian_all, speeds)
     speeds[:, robot.leg_joint_index] = _joint_step(
         motion, damped_inverse(jacobian, np.zeros_like(rate)), rate, carried
     )

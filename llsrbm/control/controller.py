@@ -80,10 +80,11 @@ class WholeBodyController:
         self._com = tasks.CentreOfMass(gains.com)
         self._angular_momentum = tasks.AngularMomentum(gains.angular_momentum)
         self._orientation = tasks.BaseOrientation(gains.orientation)
-        every = np.arange(body.velocities - 6)
-        self._posture = tasks.Posture(every, body.velocities, gains.posture)
-        arms = tasks.Posture(robot.arm_joint_index, body.velocities, gains.arms)
-        self._arms = [(arms, settings.weights.arms)] if robot.arms else []
+        self._posture = tasks.Posture(range(body.velocities - 6), body.velocities, gains.posture)
+        self._arms: list[tuple[tasks.Task, float]] = []
+        if robot.arms:
+            arms = tasks.Arms(robot.arm_joint_index.tolist(), body.velocities, gains.arms)
+            self._arms = [(arms, settings.weights.arms)]
         points = body.contacts // body.legs
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}

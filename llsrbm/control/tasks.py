@@ -141,27 +141,36 @@ class FootOrientation(Task):
 class Posture(Task):
     """Positions of some joints, rad or m.
 
-    Of all, with a small weight, it makes the quadratic program definite; of arms it moves them.
+    Of all, with a small weight, it makes the quadratic program definite.
     """
 
-    def __init__(
-        self, joints: NDArray[np.int64], velocities: int, gains: tuple[float, float]
-    ) -> None:
+    def __init__(self, joints: Sequence[int], velocities: int, gains: tuple[float, float]) -> None:
         super().__init__(gains)
         self.rows = len(joints)
-        self._joints = joints
-        self._jacobian = np.eye(velocities)[6 + joints]
-        self._bias = np.zeros(self.rows)
+        self._joints = _places(joints)
+        self._jacobian = np.eye(velocities)[6:][self._joints]
+        self._none = np.zeros(self.rows)
 
     def motion(self, body: WholeBody, target: Target) -> Motion:
         i = self._joints
         return Motion(
             self._jacobian,
-            self._bias,
+            self._none,
             target.joint_position[i] - body.q[7:][i],
             target.joint_velocity[i] - body.v[6:][i],
-            target.joint_acceleration[i],
+            self._feedforward(target),
         )
+
+    def _feedforward(self, target: Target) -> Array:
+        return self._none
+
+
+class Arms(Posture):
+    """Positions of the arms' joints, which swing as planned."""
+
+    def _feedforward(self, target: Target) -> Array:
+        acceleration: Array = target.joint_acceleration[self._joints]
+        return acceleration
 
 
 class SwingFeet(Task):

@@ -38,4 +38,6 @@ def make_model(name: str, robot: Robot, *, free_arms: bool = False) -> Centroida
 
 def free_arms_of(jump: Jump, robot: Robot) -> bool:
     """Whether the arms move in a jump's plans: where it asks for that, and the model can."""
-    return bool(robot.arms) and jump.arms == FREE and MODELS[jump.model].moves_arms
+    return (
+        bool(robot.arms) and jump.arms == FREE and look_up("model", jump.model, MODELS).moves_arms
+    )

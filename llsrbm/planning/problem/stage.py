@@ -86,7 +86,7 @@ class Stage(StageFeet):
         acceleration = self.lift(self.arm_step / self.dt)
         torque = arms.torques(
             self.arm_angles,
-            self.lift(self.arms_of("arms_velocity") + self.arm_step / 2),
+            self.lift(self._arms_velocity + self.arm_step / 2),
             acceleration,
             self.rotation_rate,
             self.lift(self.rotation_acceleration),

@@ -95,21 +95,22 @@ class StageBody:
 
     # ---- arms
 
-    def arms_of(self, name: str) -> Any:
-        """Their joints or how these move, (A n, 1), at the knot."""
-        return self._chosen_or_given(name)
-
     @cached_property
     def arm_angles(self) -> Any:
         """(A n, 1) rad at the knot; none of robots whose arms do not move."""
-        return self.arms_of("arms") if self.role.moves_arms else ca.SX(0, 1)
+        return self._chosen_or_given("arms") if self.role.moves_arms else ca.SX(0, 1)
 
     @cached_property
     def arm_rates(self) -> Any:
         """(A n, 1) rad/s over the interval, even; at the end those of the one before."""
         if not self.role.moves_arms:
             return ca.SX(0, 1)
-        return self.lift(self.arms_of("arms_velocity") + self.arm_step)
+        return self.lift(self._arms_velocity + self.arm_step)
+
+    @property
+    def _arms_velocity(self) -> Any:
+        """(A n, 1) rad/s over the interval before."""
+        return self._chosen_or_given("arms_velocity")
 
     @property
     def arm_step(self) -> Any:

@@ -39,7 +39,7 @@ def floating(name, position, speed, *, bounded=True, apart=False, seconds=0.3):
     bounds, links = JointBounds(robot), LinkBounds(robot)
     target = resting_target(len(robot.legs), len(at))
     target.joint_position[:], target.joint_velocity[:] = position, speed
-    posture = [(tasks.Posture(np.arange(len(at)), len(at) + 6, (400.0, 40.0)), 1.0)]
+    posture = [(tasks.Posture(range(len(at)), len(at) + 6, (400.0, 40.0)), 1.0)]
     forces = np.zeros((body.contacts, 3))
     positions, speeds = [], []
     for _ in range(round(seconds / tick)):

@@ -17,7 +17,7 @@ ALL = {
     "seeking": tasks.SeekingFeet([1], 0.0),
     "standing": tasks.StandingFeet([3], 1, 0.0),
     "momentum": tasks.AngularMomentum(0.0),
-    "posture": tasks.Posture(np.arange(12), 18, (0.0, 0.0)),
+    "posture": tasks.Posture(range(12), 18, (0.0, 0.0)),
 }
 SECOND_ORDER = ("com", "posture")
 WITH_RATES = ("com", "orientation", "posture", "seeking")

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import read_robot_file, robot_files
+from tests.llsrbm.robots.mistakes import check_one_clear_line
 
 G1 = robot_files()["g1"].read_text()
 MIRROR = np.array([1.0, -1.0, 1.0])
@@ -153,14 +154,7 @@ MISTAKES = {
 @pytest.mark.parametrize("mistake", MISTAKES)
 def test_a_mistake_about_arms_is_one_clear_line(tmp_path, mistake):
     right, wrong, expected = MISTAKES[mistake]
-    path = tmp_path / "mine.toml"
-    path.write_text(_with(right, wrong))
-    with pytest.raises(RobotFileError) as caught:
-        load_robot(str(path))
-    message = str(caught.value)
-    assert "\n" not in message
-    for part in ["mine.toml", *expected]:
-        assert part in message
+    check_one_clear_line(tmp_path / "mine.toml", _with(right, wrong), expected)
 
 
 def test_an_arm_called_like_a_leg_is_refused(tmp_path):

@@ -13,7 +13,7 @@ from llsrbm.control.detection import (
 )
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
-from llsrbm.robots.schema import Uncertainty
+from llsrbm.robots.control_schema import Uncertainty
 from tests.llsrbm.control.detection.flights import (
     INERTIA,
     MASS,
