@@ -19,7 +19,7 @@ import llsrbm
 from llsrbm.robots import names
 
 FORWARD = {"hurdle": 0.5, "gap": 0.45}  # m
-ROBOTS_FORWARD = {"g1": 0.05}  # m, its range is short
+ROBOTS_FORWARD = {"g1_legs": 0.05, "talos": 0.05}  # m, its range is short
 CLOSE = 1e-9  # largest difference that counts as the same, in each quantity's own unit
 
 

@@ -53,12 +53,12 @@ def requests(robot: str, count: int, seed: int) -> list[dict[str, Any]]:
     return made
 
 
-def one(request: dict[str, Any], model: str) -> dict[str, Any]:
+def one(request: dict[str, Any], model: str, once: bool) -> dict[str, Any]:
     """Plan and simulate one request."""
     motion = {name: request[name] for name in COMPONENTS if name in request}
     jump = llsrbm.Jump(robot=request["robot"], model=model, **motion)
     try:
-        plan = planner_for(jump.robot, model).plan(jump)
+        plan = planner_for(jump.robot, model).plan(jump, patient=not once)
     except llsrbm.NotConverged as error:
         return {**request, "planned": False, "why": str(error)}
     rollout = llsrbm.simulate(plan, seed=request["seed"])
@@ -186,7 +186,7 @@ def describe(result: dict[str, Any]) -> str:
     )
 
 
-def _work(item: tuple[dict[str, Any], str]) -> dict[str, Any]:
+def _work(item: tuple[dict[str, Any], str, bool]) -> dict[str, Any]:
     return one(*item)
 
 
@@ -195,13 +195,16 @@ def main(
     count: Annotated[int, typer.Option("--requests", help="A robot.")] = 120,
     seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 500,
     model: str = "llsrbm-plus",
+    once: Annotated[bool, typer.Option("--once", help="No search for nearer jumps.")] = False,
     jobs: int = 2,
     failures: Annotated[bool, typer.Option(help="Only lines of failures.")] = False,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
 ) -> None:
     """Print a line a request, then the table."""
     work = [
-        (request, model) for robot in robots.split(",") for request in requests(robot, count, seed)
+        (request, model, once)
+        for robot in robots.split(",")
+        for request in requests(robot, count, seed)
     ]
     results = []
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:

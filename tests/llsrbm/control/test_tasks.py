@@ -154,3 +154,13 @@ def test_command_adds_feedback():
     task.write(body, target, jacobian, command)
     wanted = -60.0 * body.com - 12.0 * body.com_velocity - body.momentum_bias[:3] / body.mass
     np.testing.assert_allclose(command, wanted)
+
+
+def test_arms_swing_as_planned_and_other_joints_only_come_back():
+    joints = range(3, 6)
+    wanted = replace(resting_target(), joint_acceleration=np.arange(12.0))
+    now = moved(SEED, np.zeros(18), 0.0)
+    arms, others = (kind(joints, 18, (9.0, 6.0)) for kind in (tasks.Arms, tasks.Posture))
+    np.testing.assert_allclose(arms.motion(now, wanted).feedforward, [3.0, 4.0, 5.0])
+    np.testing.assert_allclose(others.motion(now, wanted).feedforward, 0.0)
+    np.testing.assert_allclose(arms.motion(now, wanted).jacobian, np.eye(18)[9:12])

@@ -5,6 +5,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from llsrbm.errors import InputError
 from llsrbm.models import free_arms_of, make_model
 from llsrbm.models.base import no_lift
 from llsrbm.request.jump import Jump
@@ -115,3 +116,8 @@ def test_held_arms_are_part_of_the_base():
 )
 def test_arms_move_where_there_are_some_and_the_model_can(request_, free):
     assert free_arms_of(request_, load_robot(request_.robot)) is free
+
+
+def test_a_model_that_is_none_is_named():
+    with pytest.raises(InputError, match='no model "lumps"'):
+        free_arms_of(Jump(robot="g1", model="lumps"), ROBOT)
