@@ -1,4 +1,4 @@
-"""What a robot file says of its controller, and of how far the robot may be from its URDF."""
+"""Tables of a robot file for its controller, and for how far the robot may be from its URDF."""
 
 from __future__ import annotations
 
