@@ -194,8 +194,10 @@ def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(
     assert saved[-5, 5].sum() > saved[5, 5].sum() > 300  # sky and floor, no hole
     apart = np.abs(seen - saved).max(axis=2) > 40
     apart[: NOTE[1], : NOTE[0]] = False  # viser's note comes when it likes
-    # Below the buttons, above the bar.
-    assert apart[60 : int(at["bar"])].mean() < 0.01, at
+    between = apart[60 : int(at["bar"])]  # below the buttons, above the bar
+    rows, columns = np.nonzero(between)
+    where = [(int(each.min()), int(each.max())) for each in (rows, columns) if len(each)]
+    assert between.mean() < 0.01, (where, at)
 
 
 def test_a_motion_that_leaves_the_picture_is_followed_until_a_hand_moves_the_camera(page):
