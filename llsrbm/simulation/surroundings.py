@@ -313,8 +313,8 @@ def _avoiding(points: Array, others: Array, radius: float, share: float) -> _Rec
     stands on the others.
     """
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
-    between, apart = _between(others), radius + ROOM
-    if _inside(between, low, high, apart).any():
+    apart = radius + ROOM
+    if _meet(others, low - apart, high + apart):
         return None
     wide = _around(points, MARGIN)
     for axis, across in ((0, 1), (1, 0)):
@@ -329,21 +329,22 @@ def _avoiding(points: Array, others: Array, radius: float, share: float) -> _Rec
     # Edges that grew towards the margin may have come under the robot at a corner, or been cut back
     # into the feet on `points` by one that is beside the grown edge alone.
     cut = (low > points.min(axis=0) - radius).any() or (high < points.max(axis=0) + radius).any()
-    if cut or _inside(between, low, high, radius).any():
+    if cut or _meet(others, low - radius, high + radius):
         return None
     return _Rectangle(low, high)
 
 
-def _between(points: Array) -> Array:
-    """Points (C, 2) and more on the lines between any two of them: what a robot stands over."""
-    share = np.linspace(0.0, 1.0, 9)[:, None, None, None]
-    lines: Array = points[:, None] * (1 - share) + points[None] * share
-    return lines.reshape(-1, 2)
+def _meet(points: Array, low: Array, high: Array) -> bool:
+    """Whether the convex hull of points (C, 2), over which a robot stands, reaches into a rectangle.
 
-
-def _inside(points: Array, low: Array, high: Array, radius: float) -> NDArray[np.bool_]:
-    """(C,) whether a foot of that radius at a point reaches into a rectangle."""
-    return np.asarray(((points > low - radius) & (points < high + radius)).all(axis=1))
+    Unless an axis separates them: one of the rectangle's, or across a line between two points.
+    """
+    corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+    lines = (points[:, None] - points)[~np.eye(len(points), dtype=bool)]
+    across = np.concatenate([[[1, 0], [-1, 0], [0, 1], [0, -1]], lines[:, ::-1] * [1, -1]])
+    across = across[across.any(axis=1)]  # two points may be one
+    gaps = (across @ points.T).min(axis=1) - (across @ corners.T).max(axis=1)
+    return bool((gaps < 0).all())
 
 
 def _block(

@@ -167,7 +167,7 @@ LAID_OUT = """() => {
 def saved_and_seen(page):
     """The picture that is saved, what the screen shows of it, and how the page was laid out.
 
-    Taken again where the page has moved meanwhile: the plots below may take another line.
+    Taken again where the page has moved meanwhile, for the plots below may take another line.
     """
     for _ in range(4):
         still(page)
@@ -185,19 +185,31 @@ def saved_and_seen(page):
     raise AssertionError(f"the page does not come to rest: {before} became {after}")
 
 
+def apart(saved, seen, bar):
+    """(H, W) where two pictures differ, below the buttons and above the bar."""
+    differs = np.abs(seen - saved).max(axis=2) > 40
+    differs[: NOTE[1], : NOTE[0]] = False  # viser's note comes when it likes
+    return differs[60 : int(bar)]
+
+
+def drawn_in_words(pixels):
+    """A picture in 20 lines of characters, dark to light, for a log that holds no pictures."""
+    grey = np.asarray(Image.fromarray(pixels.astype(np.uint8)).convert("L").resize((80, 20)))
+    return "\n".join("".join("#*+=-. "[shade // 37] for shade in row) for row in grey)
+
+
 def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(page):
     """Without a graphics processor Chromium cut off the canvas' top, see static/camera.js."""
     page.evaluate("llsrbm.camera.look('front')")
-    saved, seen, at = saved_and_seen(page)
+    for _ in range(3):  # on a busy machine the screen may be a picture behind
+        saved, seen, at = saved_and_seen(page)
+        if apart(saved, seen, at["bar"]).mean() < 0.01:
+            break
     assert list(saved.shape[:2]) == at["canvas"]
     assert dark(saved).mean() > 0.01  # the robot
     assert saved[-5, 5].sum() > saved[5, 5].sum() > 300  # sky and floor, no hole
-    apart = np.abs(seen - saved).max(axis=2) > 40
-    apart[: NOTE[1], : NOTE[0]] = False  # viser's note comes when it likes
-    between = apart[60 : int(at["bar"])]  # below the buttons, above the bar
-    rows, columns = np.nonzero(between)
-    where = [(int(each.min()), int(each.max())) for each in (rows, columns) if len(each)]
-    assert between.mean() < 0.01, (where, at)
+    alike = apart(saved, seen, at["bar"]).mean() < 0.01
+    assert alike, f"saved\n{drawn_in_words(saved)}\nseen\n{drawn_in_words(seen)}\n{at}"
 
 
 def test_a_motion_that_leaves_the_picture_is_followed_until_a_hand_moves_the_camera(page):
