@@ -81,7 +81,7 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
     lift, touch = plan.lift_off, plan.touchdown
     knots = np.searchsorted(plan.time, [lift - 1e-9, touch - 1e-9])
     end = rollout.outcome.touchdown_true_s
-    at = np.searchsorted(rollout.time, [lift, touch if end is None else end])
+    at = np.searchsorted(rollout.time, np.array([lift, touch if end is None else end]) - 1e-9)
     at = np.minimum(at, len(rollout.time) - 1)
     figures = {
         "lift_off_momentum_planned": plan.angular_momentum[knots[0]].tolist(),

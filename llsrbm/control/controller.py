@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from llsrbm.control import landing, tasks
 from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Feet, Flight
+from llsrbm.control.delay import DelayEstimate, Measurement
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
@@ -30,16 +31,6 @@ _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 _STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
-
-
-@dataclass(frozen=True, eq=False)
-class Measurement:
-    """Everything that a controller knows of the world, at the beginning of a tick."""
-
-    time: float  # s since the plan's start
-    q: Array  # (nq,) and v: (nv,), estimated, Pinocchio's conventions
-    v: Array
-    torque: Array  # (J,) Nm or N, measured, mean of the tick that ended
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,6 +62,7 @@ class WholeBodyController:
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
+        self._delay = DelayEstimate(self._tick)
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
@@ -114,8 +106,15 @@ class WholeBodyController:
             self._momentum_share = 1.0
 
     def step(self, measurement: Measurement) -> Tick:
-        """Decide the torques of the tick that begins with a measurement: all that it knows."""
-        time, body, contacts = measurement.time, self._body, self.contacts
+        """Decide the torques of the tick that begins with a measurement: all that it knows.
+
+        Until the first lift-off for the state and the time at which they will begin to act.
+        """
+        body, contacts = self._body, self.contacts
+        self._delay.measured(measurement.torque)
+        if not contacts.flying:
+            measurement = self._delay.met(measurement, body)
+        time = measurement.time
         body.update(measurement.q, measurement.v)
         if contacts.follow_clock(time):
             self.detector.reset()
@@ -135,6 +134,7 @@ class WholeBodyController:
         target = self._target(time)
         mode = self._mode(time)
         command = self._solve(target, mode, landing=contacts.lands(time))
+        self._delay.sent(command)
         return Tick(
             command,
             contacts.phase,

@@ -126,6 +126,10 @@ class WholeBody:
         self.angular_velocity = self.R_world_base @ v[3:6]
         self._update_feet()
 
+    def moved(self, q: Array, by: Array) -> Array:
+        """(nq,) the configuration q (nq,), moved by (n,): a velocity times a time."""
+        return np.asarray(pin.integrate(self._model, q, by))
+
     @property
     def trunk_momentum(self) -> Array:
         """(6,) kg m/s, kg m2/s: linear, angular about the CoM, of the trunk relative to the CoM."""

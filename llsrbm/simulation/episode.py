@@ -13,7 +13,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.control.controller import Measurement, Tick, WholeBodyController
+from llsrbm.control.controller import Tick, WholeBodyController
+from llsrbm.control.delay import Measurement
 from llsrbm.errors import Cancelled
 from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot

@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.control.controller import Measurement
+from llsrbm.control.delay import Measurement
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario

@@ -335,7 +335,7 @@ def _avoiding(points: Array, others: Array, radius: float, share: float) -> _Rec
 
 
 def _meet(points: Array, low: Array, high: Array) -> bool:
-    """Whether the convex hull of points (C, 2), over which a robot stands, reaches into a rectangle.
+    """Whether the convex hull of points (C, 2), which a robot stands over, meets a rectangle.
 
     Unless an axis separates them: one of the rectangle's, or across a line between two points.
     """

@@ -88,9 +88,9 @@ class ElasticLayout(Layout):
         return max(map(max, self.lands))
 
     @property
-    def own_numbers(self) -> int:  # type: ignore[override]
+    def own_numbers(self) -> int:
         """Parameters that each interval has for itself."""
-        return Layout.own_numbers + _OWN * self.legs
+        return super().own_numbers + _OWN * self.legs
 
     @cached_property
     def roles(self) -> tuple[Role, ...]:

@@ -20,7 +20,7 @@ from llsrbm.planning.problem.elastic import ElasticStage
 from llsrbm.planning.problem.knots import DYNAMICS, Rows
 from llsrbm.planning.problem.layout import BODY_PLACES, Layout
 from llsrbm.planning.problem.parameters import (
-    CORRECTION,
+    OWN,
     local_parameters,
     parameter_places,
     parameter_sizes,
@@ -54,7 +54,7 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
         return lambda: _expressions(kind(role, layout, model, symbols), symbols, following)
 
     def own(knot: int) -> slice:
-        start = places[CORRECTION].start + layout.own_numbers * knot
+        start = places[OWN].start + layout.own_numbers * knot
         return slice(start, start + layout.own_numbers)
 
     runs = []

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
+from llsrbm.body.rolling import rolled
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.parameters import (
-    CORRECTION,
+    OWN,
     local_parameters,
     parameter_places,
     parameter_symbols,
@@ -91,7 +92,7 @@ class StageValues:
             column = ca.vertcat(*(ca.densify(ca.vec(value)) for value in values.values()))
             function = ca.Function(
                 "values",
-                [stage.variables, ca.vertcat(*symbols.values()), stage.local, stage.correction],
+                [stage.variables, ca.vertcat(*symbols.values()), stage.local, stage.own],
                 [stage.lift.resolve(column)],
                 {"cse": True},
             )
@@ -102,7 +103,7 @@ class StageValues:
             np.r_[tuple(places[name] for name in local_parameters(int(phase)))]
             for phase in layout.phase
         ]
-        self._correction = places[CORRECTION]
+        self._own = places[OWN]
 
     def __call__(self, w: Array, p: Array) -> dict[str, Array]:
         """Name -> (N+1, n, m) of what is (m, n) in a stage, (N+1, m) of columns.
@@ -114,10 +115,11 @@ class StageValues:
         """
         count = self._layout.knots
         out = {name: np.zeros((count, n, m)) for name, (m, n) in self.shapes.items()}
-        correction = np.vstack([p[self._correction].reshape(-1, 3), np.zeros(3)])
+        numbers = self._layout.own_numbers
+        own = np.vstack([p[self._own].reshape(-1, numbers), np.zeros(numbers)])
         for function, knots, variables, names in self._families:
             local = p[np.array([self._local[k] for k in knots])]
-            columns = np.array(function(w[variables].T, p, local.T, correction[knots].T))
+            columns = np.array(function(w[variables].T, p, local.T, own[knots].T))
             start = 0
             for name in names:
                 shape = out[name].shape[1:]
@@ -223,6 +225,12 @@ class Knots:
         return solve_postures(robot, self.position, self.quat, *feet, near=near)
 
     @cached_property
+    def rolled(self) -> Array:
+        """(N+1, L, 2) m: how far standing feet roll in these postures, `llsrbm.body.rolling`."""
+        task, angles = self.task, self.postures.joint_position
+        return rolled(task.robot, angles, self.quat, task.schedule, self.phase)
+
+    @cached_property
     def loads(self) -> JointLoads:
         """Motion and torques of the joints in these postures, by Pinocchio."""
         motion = KnotMotion(
@@ -258,7 +266,8 @@ def unpack(
 ) -> Knots:
     """The variables w, in the layout's order and units, as `Knots`."""
     w = layout.normalised(w)
-    values = _stage_values(model, layout)(w, np.concatenate([*parameters(layout, task).values()]))
+    known = parameters(layout, task, at_knots=True)
+    values = _stage_values(model, layout)(w, np.concatenate([*known.values()]))
     durations = values["duration"][layout.first_knots[:-1], 0]
     starts = np.concatenate([[0.0], np.cumsum(durations)])
     return Knots(

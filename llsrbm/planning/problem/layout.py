@@ -86,7 +86,6 @@ class Layout:
     under_way: bool = False
     arm_joints: int = 0
     elastic: ClassVar[bool] = False  # see `problem.elastic`
-    own_numbers: ClassVar[int] = 3  # parameters that each interval has for itself
 
     @classmethod
     def of(
@@ -105,6 +104,11 @@ class Layout:
         counts, under_way = split(intervals, schedule), schedule.under_way
         shape = contacts, stands, counts, foot_coordinates
         return cls(*shape, clears, turns, under_way, arm_joints)
+
+    @property
+    def own_numbers(self) -> int:
+        """Parameters that each interval has for itself."""
+        return 3 + (2 * self.legs if self.turns else 0)
 
     @property
     def legs(self) -> int:

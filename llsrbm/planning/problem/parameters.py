@@ -21,12 +21,15 @@ from llsrbm.request.jump import Jump
 
 Array = NDArray[np.float64]
 
-CORRECTION = "correction"
+OWN = "own"
 """The parameters that each interval has for itself, `Layout.own_numbers` of it."""
 
 
-def parameters(layout: Layout, task: Task) -> dict[str, Array]:
-    """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`)."""
+def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[str, Array]:
+    """Name -> value of the solver's parameters (names and sizes: `parameter_sizes`).
+
+    `at_knots`: with feet where they have rolled to at the knots, not over the intervals.
+    """
     values = {
         "start_position": task.start_position,
         "start_quat": task.start_quat,
@@ -56,11 +59,26 @@ def parameters(layout: Layout, task: Task) -> dict[str, Array]:
         for cost in COSTS
     }
     correction = np.zeros((layout.total, 3)) if task.correction is None else task.correction
-    last = {CORRECTION: correction / task.mass}
+    own = [correction / task.mass]
+    if layout.turns:
+        own.append(_rolled(layout, task, at_knots=at_knots).reshape(layout.total, -1))
     if isinstance(layout, ElasticLayout):
         values |= elastic_parameters(layout, task)
-        last[CORRECTION] = np.hstack([last[CORRECTION], swing_numbers(layout, task)])
+        own.append(swing_numbers(layout, task))
+    last = {OWN: np.hstack(own)}
     return {name: np.ravel(value) for name, value in (values | weights | last).items()}
+
+
+def _rolled(layout: Layout, task: Task, *, at_knots: bool) -> Array:
+    """(N, L, 2) m: how far feet have rolled at the knots, or in the middle of the intervals.
+
+    Where feet leave or land their place at the knot counts.
+    """
+    if task.rolled is None:
+        return np.zeros((layout.total, layout.legs, 2))
+    begins, ends = task.rolled[:-1], task.rolled[1:]
+    given = [at_knots or bool(role.leaving or role.landing) for role in layout.roles[:-1]]
+    return np.where(np.array(given)[:, None, None], begins, (begins + ends) / 2)
 
 
 def start_arms(task: Task) -> dict[str, Array]:
@@ -98,7 +116,7 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     if isinstance(layout, ElasticLayout):
         sizes |= elastic_sizes(layout)
     weights = {weight_parameter(cost): 1 for cost in COSTS}
-    return sizes | weights | {CORRECTION: layout.own_numbers * layout.total}
+    return sizes | weights | {OWN: layout.own_numbers * layout.total}
 
 
 def local_parameters(phase: int) -> tuple[str, ...]:

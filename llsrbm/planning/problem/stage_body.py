@@ -31,7 +31,8 @@ class StageBody:
         standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
         towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
         local: all of these in one column: parameters of a phase.
-        correction: (3, 1) m2/s, base axes, parameters of the interval: see `Task.correction`; / m.
+        correction: (3, 1) m2/s, base axes, parameter of the interval: see `Task.correction`; / m.
+        rolled: (2, L) m, likewise, of bodies that turn over: see `Task.rolled`.
         lift: collects the intermediates derivatives run through.
     """
 
@@ -51,16 +52,20 @@ class StageBody:
             ca.vec(feet), ca.vec(contacts), self.standing_yaw, ca.vec(self.towards)
         )
         shift = ca.vertcat(self.shift, 0) if role.shifted else ca.SX.zeros(3)
-        self.standing_feet = feet + ca.repmat(shift, 1, layout.legs)
-        self.standing_contacts = contacts + ca.repmat(shift, 1, layout.contacts)
         self.correction = ca.SX.sym("correction", 3)
+        self.rolled = ca.SX.sym("rolled", 2, layout.legs if layout.turns else 0)
+        moved = ca.repmat(shift, 1, layout.legs)
+        if layout.turns:
+            moved += ca.vertcat(self.rolled, ca.SX.zeros(1, layout.legs))
+        self.standing_feet = feet + moved
+        self.standing_contacts = contacts + ca.kron(moved, ca.DM.ones(1, layout.corners))
         self.lift = Lifting(self.variables)
         self.intervals = role.intervals
 
     @property
     def own(self) -> Any:
         """Parameters of the interval alone, in one column."""
-        return self.correction
+        return ca.vertcat(self.correction, ca.vec(self.rolled))
 
     @property
     def penalty(self) -> Any:

@@ -143,6 +143,8 @@ class Task:
         tuning: what of weights and limits the request changes.
         correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
             the model's over each interval of an earlier solution; None: it is not known.
+        rolled: (N + 1, L, 2) m: how far standing feet have rolled from where they stand, at the
+            knots of an earlier solution (`llsrbm.body.rolling`); None: they do not roll.
         agreed_bounds: constraint name -> bounds at which the check of an earlier solution would
             have held (`AgreedConstraint`); of the others those that follow from `limits`.
         obstacle: what is jumped over, if anything.
@@ -172,6 +174,7 @@ class Task:
     tuning: Tuning
     motion: InMotion | None = None
     correction: Array | None = None
+    rolled: Array | None = None
     agreed_bounds: Mapping[str, RowBounds] = field(default_factory=dict)
     obstacle: Obstacle | None = None
     clears: bool = False

@@ -19,7 +19,7 @@ from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import PATIENT, SolveOptions, Solver
 from llsrbm.planning.problem.constraints import AGREED
-from llsrbm.planning.problem.constraints.truth import TrueTurn, correction
+from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, correction
 from llsrbm.planning.problem.horizon import (
     evaluated_rows,
     make_problem,
@@ -47,7 +47,9 @@ STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
 FOLLOWS = 2
 # Where following creeps.
 CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)
-# Solves with a corrected model; each takes the error down by some nine tenths.
+# Constraints that solving again with what the whole body does may satisfy.
+CORRECTED = frozenset({TrueTurn.name, Rolling.name})
+# Such solves; each takes the error down by some nine tenths.
 CORRECTIONS = 3
 # Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
 # excess down to this share of what it was.
@@ -91,6 +93,12 @@ class Attempt:
         return names if self.solution.converged else set()
 
 
+def corrected(last: Attempt) -> Task:
+    """An attempt's task, with the momentum of the whole body, and its feet where they roll to."""
+    rolled = last.knots.rolled if last.knots.layout.turns else None
+    return replace(last.task, correction=correction(last.knots), rolled=rolled)
+
+
 def with_all_time(attempts: list[Attempt]) -> Attempt:
     """The last attempt, with the time that all of them took."""
     last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
@@ -107,7 +115,7 @@ class Formulation:
     solver: Solver
     shifts: ClassVar[int] = SHIFTS  # at most, of `agreed`
     # Constraints that `agreed` may satisfy by solving again with the results of the check.
-    mended: ClassVar[frozenset[str]] = frozenset({*(c.name for c in AGREED), TrueTurn.name})
+    mended: ClassVar[frozenset[str]] = frozenset({*(c.name for c in AGREED), *CORRECTED})
 
     def problem(self, task: Task) -> Problem:
         """The task's numbers."""
@@ -162,9 +170,9 @@ class Formulation:
         by what they differ from the whole body's torques, speeds and angles.
         """
         attempts = [attempt]
-        while len(attempts) <= CORRECTIONS and TrueTurn.name in attempts[-1].broken:
+        while len(attempts) <= CORRECTIONS and attempts[-1].broken & CORRECTED:
             last = attempts[-1]
-            task = replace(last.task, correction=correction(last.knots))
+            task = corrected(last)
             options = solve_options(task)
             attempts.append(self.solve(task, last.solution.variables, watch, options))
         last = attempts[-1]
@@ -183,8 +191,8 @@ class Formulation:
         """An attempt's task, with what the whole body says of its motion in the rows' bounds."""
         bounds = {c.name: c.agreed_bounds(last.knots) for c in AGREED}
         task = replace(last.task, agreed_bounds=bounds)
-        if task.correction is not None or TrueTurn.name in last.broken:
-            task = replace(task, correction=correction(last.knots))
+        if task.correction is not None or last.broken & CORRECTED:
+            task = corrected(replace(last, task=task))
         return task
 
     def again(

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from llsrbm.control.controller import Measurement, WholeBodyController
+from llsrbm.control.controller import WholeBodyController
+from llsrbm.control.delay import Measurement
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.request.scenario import Scenario

@@ -25,7 +25,7 @@ from llsrbm.planning.problem.constraints.motion import (
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.stops import JointStops
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
-from llsrbm.planning.problem.constraints.truth import TrueTurn
+from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
 
 __all__ = ["AGREED", "CONSTRAINTS", "Constraint"]
@@ -54,6 +54,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FinalPlace(),
     GivenUp(),
     TrueTurn(),
+    Rolling(),
 )
 
 AGREED = tuple(c for c in CONSTRAINTS if isinstance(c, AgreedConstraint))

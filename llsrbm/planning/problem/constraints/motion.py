@@ -18,7 +18,11 @@ from llsrbm.planning.problem.task import Task
 INSIDE = 0.4
 # How far the base may lean from touchdown on, rad. It comes down at some 10 rad/s, and the legs
 # stop that within a tenth of a second at best: half a radian.
-LEAN = np.radians(30.0)
+LEAN = np.radians(35.0)
+# How far short of its turn a body touches down, rad. What is disturbed lands up to 8 deg off: past
+# the turn no foot is left to brake with, and at more than 20 deg short the trunk comes first.
+SHORT = np.radians([12.0, 20.0])
+ACROSS = np.radians(10.0)  # how far it may lean across the turn then
 
 
 class MomentumBalance(Constraint):
@@ -138,7 +142,8 @@ class UprightLanding(Constraint):
     """e_z . R e_z >= cos(lean) from touchdown on, of jumps in which the body turns over.
 
     Others are kept upright by their costs. Without it a flip lands as soon as its front or hind
-    feet reach the ground, and turns the rest of the way over them.
+    feet reach the ground, and turns the rest of the way over them. At touchdown it is short of its
+    turn, never past it: what is left is turned while the legs stop it.
     """
 
     name = "upright_landing"
@@ -149,16 +154,28 @@ class UprightLanding(Constraint):
         return role.lands_upright and not role.terminal
 
     def rows(self, stage: Stage) -> Any:
-        """(1, 1) the cosine of the lean."""
-        return stage.R_world_base[2, 2]
+        """(1, 1) the cosine of the lean; at touchdown e_z . R e_x and e_z . R e_y, too."""
+        if not stage.role.landing:
+            return stage.R_world_base[2, 2]
+        return ca.vertcat(stage.R_world_base[2, 2], stage.R_world_base[2, :2].T)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """At least that of the largest lean."""
-        return np.array([np.cos(LEAN)]), np.array([np.inf])
+        """At least that of the largest lean; `SHORT` about the axis of the turn, no lean across."""
+        lower, upper = np.array([np.cos(LEAN)]), np.array([np.inf])
+        if not layout.roles[knot].landing:
+            return lower, upper
+        short = np.sin(SHORT)
+        across = np.sin([-ACROSS, ACROSS])
+        # Of a turn forward that is not done e_x points up still, of one to the right e_y down.
+        of_pitch = np.sort(np.sign(task.jump.pitch) * short) if task.jump.pitch else across
+        of_roll = np.sort(-np.sign(task.jump.roll) * short) if task.jump.roll else across
+        low, high = np.transpose([of_pitch, of_roll])
+        return np.append(lower, low), np.append(upper, high)
 
     def measured(self, rows: Array, task: Task) -> Array:
-        """Less the lean, rad."""
-        return -np.arccos(np.clip(rows, -1.0, 1.0))
+        """Less the lean, rad; at touchdown the angles above the horizontal."""
+        angles = np.arcsin(np.clip(rows, -1.0, 1.0))
+        return np.append(-np.arccos(np.clip(rows[:1], -1.0, 1.0)), angles[1:])
 
 
 class PhaseTimes(Constraint):

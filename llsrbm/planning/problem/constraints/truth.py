@@ -18,6 +18,9 @@ from llsrbm.planning.problem.task import Task
 
 # What a landing bears on top of what disturbances turn the base by, rad (5 deg).
 BEARABLE = 0.09
+# Of a whole turn, whose touchdown is bounded to 8 deg, rad (1 deg).
+BEARABLE_TURNING = 0.02
+ROLLED_OFF = 0.003  # m by which feet may stand beside where they have rolled
 
 
 class TrueTurn(Constraint):
@@ -51,8 +54,39 @@ class TrueTurn(Constraint):
         if knots.model.is_true:
             for flight in knots.flights:
                 turn = float(np.linalg.norm(turn_error(knots, flight)))
-                out[flight.stop] = max(turn - BEARABLE, 0.0)
+                bearable = BEARABLE_TURNING if knots.layout.turns else BEARABLE
+                out[flight.stop] = max(turn - bearable, 0.0)
         return out
+
+
+class Rolling(Constraint):
+    """Feet of a body that turns over stand where they have rolled to.
+
+    No rows: the check alone, of where the feet of an earlier solution had rolled.
+    """
+
+    name = "rolling"
+    unit = "m"
+
+    def applies(self, role: Role) -> bool:
+        """Nowhere."""
+        return False
+
+    def rows(self, stage: Stage) -> Any:
+        """None."""
+        return ca.SX(0, 1)
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """None."""
+        return np.zeros(0), np.zeros(0)
+
+    def violation(self, knots: Knots) -> Array:
+        """Beyond what is bearable, at each knot."""
+        if not (knots.model.is_true and knots.layout.turns):
+            return np.zeros(len(knots.time))
+        known = knots.task.rolled
+        off = np.linalg.norm(knots.rolled - (0.0 if known is None else known), axis=-1)
+        return np.maximum((off * knots.layout.standing).max(axis=1) - ROLLED_OFF, 0.0)
 
 
 def turn_error(knots: Knots, flight: slice) -> Array:
