@@ -21,8 +21,8 @@ class Role:
         standing: legs whose feet stand over the interval that starts here; swinging: the others.
         leaving, landing: at a phase's first knot, legs whose feet have just left or met the ground.
         rising, settling: over a phase's last interval, legs whose feet leave or meet it at its end.
-        beside_swing: legs that rise or land, where they must not outrun their drives; none of a
-            body that turns over, whose knees do.
+        beside_swing: legs that rise or land, where they must not outrun their drives; of a body
+            that turns over, whose knees do as it lands, those that rise.
         initial: the very first knot; terminal: the very last, after which nothing follows.
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
@@ -123,7 +123,7 @@ def roles_of(
                     landing=landing,
                     rising=rising,
                     settling=_legs(~now & after) if last else (),
-                    beside_swing=() if turns else tuple(sorted({*rising, *landing})),
+                    beside_swing=tuple(sorted({*rising, *(() if turns else landing)})),
                     initial=p == 0 and first,
                     first=first,
                     last=last,

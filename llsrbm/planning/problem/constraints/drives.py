@@ -243,8 +243,11 @@ def _speed_shares(knots: Knots) -> Array:
 
 def _edge_velocity(knots: Knots) -> Array:
     """(N, J) rad/s or m/s; NaN where no rows are, see `Role.beside_swing`."""
-    velocity = knots.loads.edge_velocity
-    return np.full_like(velocity, np.nan) if knots.layout.turns else velocity
+    velocity = knots.loads.edge_velocity.copy()
+    for interval, role in enumerate(knots.layout.roles[: len(velocity)]):
+        for leg in {*role.landing} - {*role.beside_swing}:
+            velocity[interval, knots.task.robot.leg_joint_index[leg]] = np.nan
+    return velocity
 
 
 def torque_unit(robot: Robot, joint: str) -> str:
