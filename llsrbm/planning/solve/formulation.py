@@ -50,7 +50,7 @@ CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
 # Such solves; each takes the error down by some nine tenths.
-CORRECTIONS = 3
+CORRECTIONS = 6
 # Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
 # excess down to this share of what it was.
 SHIFTS = 6

@@ -75,7 +75,9 @@ class KneeHeight(Constraint):
 class LegsApart(Constraint):
     """y_left - y_right >= 2 width + margin, of knees and feet of legs side by side, base axes.
 
-    At least one of the legs swings. The width is that of the shank at its knee.
+    At least one of the legs swings. The width is that of the shank at its knee. Of a body that
+    turns over, which draws its legs in, also x_front - x_hind of legs on one side, of the knee or
+    foot of one against the foot or knee of the other.
     """
 
     name = "legs_apart"
@@ -102,30 +104,43 @@ class LegsApart(Constraint):
         return role.flies
 
     def rows(self, stage: Stage) -> Any:
-        """(2 pairs, 1) m, knees and feet; none of robots without knees."""
+        """(2 (pairs + pairs in a row), 1) m; none of robots without knees."""
         model, rows = stage.model, []
-        for pair in _side_by_side(model.hips, stage.role):
-            x = [stage.feet_in_hip[:, i] for i in pair]
-            knees: list[Any] = [model.drives.legs[i].knee(x) for i, x in zip(pair, x, strict=True)]
-            if knees[0] is None:
-                continue
-            feet = [ca.DM(model.mirrors[i]) * x[:3] for i, x in zip(pair, x, strict=True)]
-            across = float(model.hips[pair[0]][1] - model.hips[pair[1]][1])
-            for left, right in (knees, feet):
-                rows.append(across + stage.lift(left[1] - right[1]))
+        side_by_side, in_a_row = _pairs(model.hips, stage.layout, stage.role)
+        for pairs, axis, crossed in ((side_by_side, 1, False), (in_a_row, 0, True)):
+            for pair in pairs:
+                x = [stage.feet_in_hip[:, i] for i in pair]
+                knees: list[Any] = [
+                    model.drives.legs[i].knee(x) for i, x in zip(pair, x, strict=True)
+                ]
+                if knees[0] is None:
+                    continue
+                feet = [ca.DM(model.mirrors[i]) * x[:3] for i, x in zip(pair, x, strict=True)]
+                if crossed:
+                    knees, feet = [knees[0], feet[1]], [feet[0], knees[1]]
+                between = float(model.hips[pair[0]][axis] - model.hips[pair[1]][axis])
+                for one, other in (knees, feet):
+                    rows.append(between + stage.lift(one[axis] - other[axis]))
         return ca.vertcat(*rows) if rows else ca.SX(0, 1)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At least both widths and the margin."""
-        pairs = len(_side_by_side(task.robot.hips, layout.roles[knot]))
+        pairs = sum(map(len, _pairs(task.robot.hips, layout, layout.roles[knot])))
         rows = 2 * pairs if self.concerns(task) else 0
         return np.full(rows, 2 * knee_width(task.robot) + task.limits.legs_apart), np.full(
             rows, np.inf
         )
 
 
-def _side_by_side(hips: Array, role: Role) -> list[tuple[int, int]]:
-    """Left leg and the right leg next to it, of which at least one flies."""
-    left, right = (np.flatnonzero(side * hips[:, 1] > 0) for side in (1, -1))
-    pairs = [(int(i), int(right[np.abs(hips[right, 0] - hips[i, 0]).argmin()])) for i in left]
-    return [pair for pair in pairs if set(pair) & set(role.flying)]
+def _pairs(hips: Array, layout: Layout, role: Role) -> tuple[list[tuple[int, int]], ...]:
+    """Left leg and the right leg next to it; front leg and the hind leg behind it, if it turns.
+
+    Of each pair at least one flies.
+    """
+    found = []
+    for axis in (1, 0) if layout.turns else (1,):
+        ahead, behind = (np.flatnonzero(side * hips[:, axis] > 0) for side in (1, -1))
+        beside = np.abs(hips[ahead][:, None] - hips[behind])[..., 1 - axis] if len(behind) else []
+        pairs = [(int(i), int(behind[row.argmin()])) for i, row in zip(ahead, beside, strict=True)]
+        found.append([pair for pair in pairs if set(pair) & set(role.flying)])
+    return tuple(found) if layout.turns else (found[0], [])
