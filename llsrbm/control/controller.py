@@ -29,6 +29,9 @@ Array = NDArray[np.float64]
 
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
+# A foot that seeks the ground stops what it did before, so many times as fast as one that swings is
+# damped: of a body that turns over it sweeps over the ground at 4 m/s.
+_STOPS = 3.0
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 _STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
 
@@ -245,7 +248,7 @@ class WholeBodyController:
                 task = tasks.StandingFeet(stand, self._points, gains.standing)
                 feet.append((task, weights.contact))
             if seek:
-                feet.append((tasks.SeekingFeet(seek, gains.swing[1]), weights.swing))
+                feet.append((tasks.SeekingFeet(seek, _STOPS * gains.swing[1]), weights.swing))
             if swing:
                 feet.append((tasks.SwingFeet(swing, gains.swing), weights.swing))
             if self._points > 1:

@@ -19,6 +19,9 @@ ROOM = 0.005
 # from there, m: a foot's radius and as much again.
 APART = 0.035
 FAR = 10.0  # m, no bound; finite, see `Constraint.bounds`
+# Feet of a body that turns over come down from this height, m, over this share of their swing: they
+# sweep over the ground, and one that meets it early stops the turn.
+HIGH, COMING_DOWN = 0.05, 0.06
 # How far feet are above the upper surface before they may be over the edge, m.
 ABOVE = 0.02
 
@@ -61,7 +64,11 @@ def clearance_line(task: Task, phase: int, progress: Array) -> Array:
     start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
 
     def line(s: Array) -> Array:
-        return ground_line(start, goal, s) + (4 * s * (1 - s)) ** 2 * task.limits.clearance
+        arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance
+        if task.jump.turns:
+            left = np.clip((1 - s) / COMING_DOWN, 0.0, 1.0)
+            arch = np.where(s > 0.5, np.maximum(arch, HIGH * left**2 * (3 - 2 * left)), arch)
+        return ground_line(start, goal, s) + arch
 
     height = line(task.swing_share(phase, progress))
     if task.motion is not None and phase == 0:

@@ -24,7 +24,7 @@ from llsrbm.planning.problem.constraints.motion import (
 )
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.stops import JointStops
-from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed
+from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed, PutDown
 from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
 
@@ -44,6 +44,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     LegsApart(),
     FeetApart(),
     FootSpeed(),
+    PutDown(),
     FootYaw(),
     FootTurn(),
     JointStops(),

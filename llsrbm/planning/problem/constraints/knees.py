@@ -63,12 +63,11 @@ class KneeHeight(Constraint):
         return ca.vertcat(*rows) if rows else ca.SX(0, 1)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """At least the thickness and the margin; anywhere as a body that turns over rises."""
+        """At least the thickness and the margin."""
         role = layout.roles[knot]
         rows = len(role.standing) if self.concerns(task) else 0
         margin = task.limits.knee_margin * (1.0 if role.final else _RISING)
-        free = task.motion is not None or (layout.turns and not role.final)
-        least = _ANYWHERE if free else knee_room(task.robot) + margin
+        least = _ANYWHERE if task.motion is not None else knee_room(task.robot) + margin
         return np.full(rows, least), np.full(rows, np.inf)
 
 

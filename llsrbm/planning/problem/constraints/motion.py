@@ -19,9 +19,9 @@ INSIDE = 0.4
 # How far the base may lean from touchdown on, rad. It comes down at some 10 rad/s, and the legs
 # stop that within a tenth of a second at best: half a radian.
 LEAN = np.radians(35.0)
-# How far short of its turn a body touches down, rad. What is disturbed lands up to 8 deg off: past
-# the turn no foot is left to brake with, and at more than 20 deg short the trunk comes first.
-SHORT = np.radians([12.0, 20.0])
+# How far short of its turn a body touches down, rad. What is disturbed lands up to 8 deg off, and
+# past the turn no foot is left to brake with.
+SHORT = np.radians([8.0, 16.0])
 ACROSS = np.radians(10.0)  # how far it may lean across the turn then
 
 

@@ -14,6 +14,8 @@ from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
+BESIDE = 0.02  # m that feet of a body that turns over may be beside their place just before
+
 
 class Clearance(Constraint):
     """p_z,i >= ground line + (4 s (1 - s))^2 clearance over the flight."""
@@ -86,3 +88,31 @@ class FootSpeed(Constraint):
         """Plus and minus the limit."""
         top = np.full(3 * len(layout.roles[knot].swinging), task.limits.foot_speed)
         return -top, top
+
+
+class PutDown(Constraint):
+    """Feet of a body that turns over come down where they will stand, over the last interval.
+
+    Its feet sweep over the ground at 4 m/s: one that meets it some milliseconds early, or after
+    another one, would stand 10 cm beside its place.
+    """
+
+    name = "put_down"
+    unit = "m"
+
+    def applies(self, role: Role) -> bool:
+        """As the last interval of a flight begins."""
+        return bool(role.settling)
+
+    def rows(self, stage: Stage) -> Any:
+        """(2 settling, 1) m, horizontal places."""
+        if not stage.layout.turns:
+            return ca.SX(0, 1)
+        return ca.vertcat(*(stage.foot_place(i)[:2] for i in stage.role.settling))
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """Around where they will stand."""
+        role = layout.roles[knot]
+        feet = list(role.settling) if layout.turns else []
+        places = task.lands(role.phase).feet[feet, :2].ravel()
+        return places - BESIDE, places + BESIDE
