@@ -29,9 +29,9 @@ Array = NDArray[np.float64]
 
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
-# A foot that seeks the ground stops what it did before, so many times as fast as one that swings is
-# damped: of a body that turns over it sweeps over the ground at 4 m/s.
-_STOPS = 3.0
+# A foot of a body that turns over sweeps over the ground at 4 m/s; where it seeks the ground it
+# stops that, so many times as fast as feet that swing are damped.
+_STOPS_SWEEPING = 3.0
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 _STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
 
@@ -84,6 +84,7 @@ class WholeBodyController:
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
         self._carried: dict[bytes, Array] = {}  # by which feet stand
+        self._seeking = gains.swing[1] * (_STOPS_SWEEPING if plan.jump.turns else 1.0)
         self._points = points
         self._momentum_share = 1.0
         self._stretch = np.zeros(3)  # m: of the legs in flight, down if negative
@@ -111,7 +112,8 @@ class WholeBodyController:
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows.
 
-        Until the first lift-off for the state and the time at which they will begin to act.
+        While feet stand for the state and the time at which they will begin to act; in flight it
+        listens for the ground, and what is predicted has not happened.
         """
         body, contacts = self._body, self.contacts
         self._delay.measured(measurement.torque)
@@ -248,7 +250,7 @@ class WholeBodyController:
                 task = tasks.StandingFeet(stand, self._points, gains.standing)
                 feet.append((task, weights.contact))
             if seek:
-                feet.append((tasks.SeekingFeet(seek, _STOPS * gains.swing[1]), weights.swing))
+                feet.append((tasks.SeekingFeet(seek, self._seeking), weights.swing))
             if swing:
                 feet.append((tasks.SwingFeet(swing, gains.swing), weights.swing))
             if self._points > 1:
