@@ -173,7 +173,8 @@ class Formulation:
         while len(attempts) <= CORRECTIONS and attempts[-1].broken & CORRECTED:
             last = attempts[-1]
             task = corrected(last)
-            options = solve_options(task)
+            # A flip that is solved from far again ends in another motion, with another correction.
+            options = CLOSE if task.jump.turns else PATIENT
             attempts.append(self.solve(task, last.solution.variables, watch, options))
         last = attempts[-1]
         for _ in range(self.shifts):
