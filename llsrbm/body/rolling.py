@@ -42,6 +42,7 @@ def rolled(
         return away
     angles = joint_position[:, robot.leg_joint_index]
     in_base = robot.chains.motion(angles, rotations=True, joints=joint_position).foot_rotation
+    assert in_base is not None
     R_world_foot = rotation_matrices(base_quat)[:, None] @ in_base
     turn = R_world_foot[1:] @ np.swapaxes(R_world_foot[:-1], -1, -2)
     vector = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_rotvec().reshape(*turn.shape[:2], 3)

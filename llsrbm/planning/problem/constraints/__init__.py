@@ -20,6 +20,7 @@ from llsrbm.planning.problem.constraints.motion import (
     FinalPlace,
     FinalState,
     PhaseTimes,
+    ShortOfTurn,
     UprightLanding,
 )
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
@@ -50,6 +51,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointStops(),
     *DRIVES,
     UprightLanding(),
+    ShortOfTurn(),
     FinalState(),
     ArmsAtRest(),
     FinalPlace(),

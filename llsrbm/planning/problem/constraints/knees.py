@@ -136,10 +136,13 @@ def _pairs(hips: Array, layout: Layout, role: Role) -> tuple[list[tuple[int, int
 
     Of each pair at least one flies.
     """
-    found = []
+    found: list[list[tuple[int, int]]] = []
     for axis in (1, 0) if layout.turns else (1,):
         ahead, behind = (np.flatnonzero(side * hips[:, axis] > 0) for side in (1, -1))
-        beside = np.abs(hips[ahead][:, None] - hips[behind])[..., 1 - axis] if len(behind) else []
+        if len(behind) == 0:  # of bipeds none is in front
+            found.append([])
+            continue
+        beside = np.abs(hips[ahead][:, None] - hips[behind])[..., 1 - axis]
         pairs = [(int(i), int(behind[row.argmin()])) for i, row in zip(ahead, beside, strict=True)]
         found.append([pair for pair in pairs if set(pair) & set(role.flying)])
     return tuple(found) if layout.turns else (found[0], [])

@@ -142,8 +142,7 @@ class UprightLanding(Constraint):
     """e_z . R e_z >= cos(lean) from touchdown on, of jumps in which the body turns over.
 
     Others are kept upright by their costs. Without it a flip lands as soon as its front or hind
-    feet reach the ground, and turns the rest of the way over them. At touchdown it is short of its
-    turn, never past it: what is left is turned while the legs stop it.
+    feet reach the ground, and turns the rest of the way over them.
     """
 
     name = "upright_landing"
@@ -154,28 +153,49 @@ class UprightLanding(Constraint):
         return role.lands_upright and not role.terminal
 
     def rows(self, stage: Stage) -> Any:
-        """(1, 1) the cosine of the lean; at touchdown e_z . R e_x and e_z . R e_y, too."""
-        if not stage.role.landing:
-            return stage.R_world_base[2, 2]
-        return ca.vertcat(stage.R_world_base[2, 2], stage.R_world_base[2, :2].T)
+        """(1, 1) the cosine of the lean."""
+        return stage.R_world_base[2, 2]
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """At least that of the largest lean; `SHORT` about the axis of the turn, no lean across."""
-        lower, upper = np.array([np.cos(LEAN)]), np.array([np.inf])
-        if not layout.roles[knot].landing:
-            return lower, upper
-        short = np.sin(SHORT)
-        across = np.sin([-ACROSS, ACROSS])
-        # Of a turn forward that is not done e_x points up still, of one to the right e_y down.
-        of_pitch = np.sort(np.sign(task.jump.pitch) * short) if task.jump.pitch else across
-        of_roll = np.sort(-np.sign(task.jump.roll) * short) if task.jump.roll else across
-        low, high = np.transpose([of_pitch, of_roll])
-        return np.append(lower, low), np.append(upper, high)
+        """At least that of the largest lean."""
+        return np.array([np.cos(LEAN)]), np.array([np.inf])
 
     def measured(self, rows: Array, task: Task) -> Array:
-        """Less the lean, rad; at touchdown the angles above the horizontal."""
-        angles = np.arcsin(np.clip(rows, -1.0, 1.0))
-        return np.append(-np.arccos(np.clip(rows[:1], -1.0, 1.0)), angles[1:])
+        """Less the lean, rad."""
+        return -np.arccos(np.clip(rows, -1.0, 1.0))
+
+
+class ShortOfTurn(Constraint):
+    """A body that turns over touches down short of its turn, never past it.
+
+    What is left is turned while the legs stop it: by e_z . R e_x and e_z . R e_y, the sines of the
+    angles of its axes above the horizontal.
+    """
+
+    name = "short_of_turn"
+    unit = "rad"
+
+    def applies(self, role: Role) -> bool:
+        """At the last touchdown."""
+        return role.lands_upright and bool(role.landing)
+
+    def rows(self, stage: Stage) -> Any:
+        """(2, 1) sines."""
+        return stage.R_world_base[2, :2].T
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """`SHORT` about the axis of the turn, little across."""
+        across = np.array([-ACROSS, ACROSS])
+        # Of a turn forward that is not done e_x points up still, of one to the right e_y down.
+        of_pitch = np.sort(np.sign(task.jump.pitch) * SHORT) if task.jump.pitch else across
+        of_roll = np.sort(-np.sign(task.jump.roll) * SHORT) if task.jump.roll else across
+        lower, upper = np.sin(np.transpose([of_pitch, of_roll]))
+        return lower, upper
+
+    def measured(self, rows: Array, task: Task) -> Array:
+        """The angles, rad."""
+        angles: Array = np.arcsin(np.clip(rows, -1.0, 1.0))
+        return angles
 
 
 class PhaseTimes(Constraint):

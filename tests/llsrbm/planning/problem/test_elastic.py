@@ -85,7 +85,7 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
             continue
         phase = role.phase
         local = [numbers[f"phase{phase}_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
-        own = numbers["correction"].reshape(layout.total, -1)[knot]
+        own = numbers["own"].reshape(layout.total, -1)[knot]
         found = function(name, kind, knot)(given_up, np.concatenate(local), own, *numbers.values())
         position, quat, velocity, feet, contacts, yaw, _, *moved = (np.array(x) for x in found)
         assert position.ravel() == pytest.approx(task.goal_position, abs=1e-9)
@@ -120,7 +120,7 @@ def test_the_edge_moves_with_the_jump():
         if not (role.knows and role.flies):
             continue
         local = [numbers[f"phase1_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
-        own = numbers["correction"].reshape(layout.total, -1)[knot]
+        own = numbers["own"].reshape(layout.total, -1)[knot]
         found = function("go2", "together", knot)(
             given_up, np.concatenate(local), own, *numbers.values()
         )

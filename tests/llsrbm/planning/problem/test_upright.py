@@ -9,7 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.models import make_model
-from llsrbm.planning.problem.constraints.motion import LEAN, UprightLanding
+from llsrbm.planning.problem.constraints.motion import LEAN, SHORT, ShortOfTurn, UprightLanding
+from llsrbm.planning.problem.constraints.swing import BESIDE, PutDown
 from llsrbm.planning.problem.knots import Rows
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
@@ -96,3 +97,29 @@ def test_every_flip_lands_upright_and_nothing_else_has_to(turn):
     _, layout, _, _ = case(**turn)
     applies = [UprightLanding().applies(role) for role in layout.roles]
     assert np.flatnonzero(applies).tolist() == list(landing(layout))
+
+
+@pytest.mark.parametrize("turn", FLIPS, ids=["back", "front", "roll"])
+def test_a_body_touches_down_short_of_its_turn_and_never_past_it(turn):
+    """Attitudes by SciPy: what is left of a turn about the body's own axis, at any heading."""
+    task, layout, _, _ = case(**turn)
+    constraint, knot = ShortOfTurn(), landing(layout)[0]
+    assert [k for k, role in enumerate(layout.roles) if constraint.applies(role)] == [knot]
+    axis, whole = ("x", turn["roll"]) if turn.get("roll") else ("y", turn["pitch"])
+    low, high = constraint.bounds(task, layout, knot)
+    for left in np.radians([-10.0, 0.0, 4.0, 9.0, 15.0, 20.0]):
+        angles = [0.7, whole - np.sign(whole) * left]
+        R = Rotation.from_euler("Z" + axis.upper(), angles).as_matrix()
+        found = R[2, :2]
+        within = bool(((low <= found) & (found <= high)).all())
+        assert within == bool(SHORT[0] <= left <= SHORT[1])
+
+
+def test_feet_come_down_onto_their_places_as_the_last_interval_begins():
+    task, layout, _, _ = case()
+    constraint = PutDown()
+    (knot,) = (k for k, role in enumerate(layout.roles) if constraint.applies(role))
+    assert knot == landing(layout)[0] - 1
+    low, high = constraint.bounds(task, layout, knot)
+    places = task.lands(int(layout.phase[knot])).feet[:, :2].ravel()
+    np.testing.assert_allclose([low, high], [places - BESIDE, places + BESIDE])
