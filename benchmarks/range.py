@@ -81,8 +81,10 @@ def tracking(plan: Any, rollout: Any) -> dict[str, Any]:
     lift, touch = plan.lift_off, plan.touchdown
     knots = np.searchsorted(plan.time, [lift - 1e-9, touch - 1e-9])
     end = rollout.outcome.touchdown_true_s
-    at = np.searchsorted(rollout.time, np.array([lift, touch if end is None else end]) - 1e-9)
+    # To the nearest tick: one later it has fallen for 2.5 ms.
+    at = np.searchsorted(rollout.time, np.array([lift, touch if end is None else end]))
     at = np.minimum(at, len(rollout.time) - 1)
+    at -= rollout.time[at] - [lift, touch if end is None else end] > np.diff(rollout.time[:2]) / 2
     figures = {
         "lift_off_momentum_planned": plan.angular_momentum[knots[0]].tolist(),
         "lift_off_momentum": rollout.angular_momentum[at[0]].tolist(),

@@ -247,15 +247,15 @@ class Robot:
                 f"{self.name} has no table [turning] in its file, and does no flips or rolls; "
                 "expected its reach and timing for a body that turns over"
             )
-        shares = {
-            name: share
-            for name in ("torque_share", "speed_share")
-            if (share := getattr(table, name)) is not None
+        limits = {
+            name: limit
+            for name in ("torque_share", "speed_share", "knee_margin")
+            if (limit := getattr(table, name)) is not None
         }
         changed = {
             "reach": table.reach,
             "timing": table.timing,
-            "limits": self.file.limits.model_copy(update=shares),
+            "limits": self.file.limits.model_copy(update=limits),
         }
         return replace(self, file=self.file.model_copy(update=changed), turns_over=True)
 

@@ -231,7 +231,7 @@ class Turning(Table):
     Attributes:
         axes: of the body, about which such jumps have been found: pitch of flips, roll of barrel
             rolls. Requests about another one are refused, and the page offers none.
-        torque_share, speed_share: shares of the drives, in place of those of `Limits`.
+        torque_share, speed_share, knee_margin: in place of those of `Limits`.
     """
 
     axes: Annotated[tuple[Literal["pitch", "roll"], ...], Field(min_length=1)] = ("pitch", "roll")
@@ -239,6 +239,7 @@ class Turning(Table):
     timing: Timing
     torque_share: Positive | None = None
     speed_share: Positive | None = None
+    knee_margin: Positive | None = None
 
 
 class Example(Table):
