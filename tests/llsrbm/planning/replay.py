@@ -84,13 +84,20 @@ def _rate(plan, model, k, share, s, correction):
         position=s.velocity,
         velocity=force.sum(axis=0) / model.mass + GRAVITY,
         quat=np.append(-v @ omega, w * omega + np.cross(v, omega)) / 2,
-        momentum=np.cross(plan.contact_point[k] - s.position, force).sum(axis=0),
+        momentum=np.cross(_over(plan, plan.contact_point, k) - s.position, force).sum(axis=0),
     )
+
+
+def _over(plan, places, k):
+    """Where feet (K, n, 3) stand over an interval: they roll on, but where some leave or land."""
+    changes = (plan.contact[k] != plan.contact[max(k - 1, 0)]).any()
+    return places[k] if changes else (places[k] + places[k + 1]) / 2
 
 
 def _seen(plan, model, k, R, s):
     """Standing feet from the CoM, (L, d), and their rates, (4, L, d), at the `PROBES`."""
-    beta = (plan.foot_position[k] + [0, 0, model.foot_lift] - s.position) @ R
+    lift = np.array([0, 0, model.foot_lift])
+    beta = (_over(plan, plan.foot_position, k) + lift - s.position) @ R
     rate = -s.velocity @ R - np.cross(PROBES[:, None], beta)
     if model.coordinates == 3:
         return beta, rate
