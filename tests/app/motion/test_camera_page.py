@@ -186,7 +186,7 @@ def saved_and_seen(page):
 
 
 def robot_box(pixels, bar):
-    """(4,) pixels: first and last row and column of what is dark below the buttons, above the bar."""
+    """(4,) pixels: first and last row and column of what is dark between buttons and bar."""
     rows, columns = np.nonzero(dark(pixels)[60 : int(bar), NOTE[0] :])
     return np.array([rows.min(), rows.max(), columns.min(), columns.max()])
 
