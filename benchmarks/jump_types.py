@@ -13,6 +13,7 @@ puts Go2's rear-last jumps beside the public planar jumps of the A1. Strict succ
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, NamedTuple
@@ -52,9 +53,11 @@ class Case(NamedTuple):
     forward: float
     hops: int = 1
     speed: float = 0.0
+    pitch: float = 0.0
 
 
 QUADRUPEDS = ("anymal", "go2")
+FLIPPING = ("go2", "go1", "a1")
 CASES = (
     Case("two hops of 20 cm", "hops", (*QUADRUPEDS, "slider"), 0.2, hops=2),
     Case("run-up 0.5 m/s, 30 cm", "run-up", QUADRUPEDS, 0.3, speed=0.5),
@@ -66,6 +69,8 @@ CASES = (
     Case("gap 45 cm", "gap", ("go2",), 0.45),
     Case("one side first 10 cm", "one-foot-first", ("slider",), 0.1),
     Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
+    Case("front flip", "flip", FLIPPING, 0.0, pitch=math.tau),
+    Case("back flip", "flip", FLIPPING, 0.0, pitch=-math.tau),
 )
 
 
@@ -101,7 +106,13 @@ def score(
             if names not in case.name or robot not in robots.split(","):
                 continue
             jump = llsrbm.Jump(
-                robot, model, forward=case.forward, type=case.type, hops=case.hops, speed=case.speed
+                robot,
+                model,
+                forward=case.forward,
+                type=case.type,
+                hops=case.hops,
+                speed=case.speed,
+                pitch=case.pitch,
             )
             print(f"| {case.name} | {robot} | {judged(jump, seeds_of(seeds))} |", flush=True)
 

@@ -46,7 +46,8 @@ class DelayEstimate:
     def measured(self, torque: Array) -> None:
         """Take note of the torques (J,) of the tick that ended."""
         if len(self._sent) > MOST:
-            self._misses += [np.abs(torque - command.torque).sum() for command in self._sent]
+            sent = np.array([command.torque for command in self._sent])
+            self._misses += np.abs(torque - sent).sum(axis=1)
             self.ticks = int(self._misses.argmin())
 
     def met(self, measurement: Measurement, body: WholeBody) -> Measurement:

@@ -50,7 +50,7 @@ CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
 # Such solves; each takes the error down by some nine tenths.
-CORRECTIONS = 6
+CORRECTIONS = 3
 # Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
 # excess down to this share of what it was.
 SHIFTS = 6
@@ -115,7 +115,7 @@ class Formulation:
     solver: Solver
     shifts: ClassVar[int] = SHIFTS  # at most, of `agreed`
     # Constraints that `agreed` may satisfy by solving again with the results of the check.
-    mended: ClassVar[frozenset[str]] = frozenset({*(c.name for c in AGREED), *CORRECTED})
+    mended: ClassVar[frozenset[str]] = frozenset(c.name for c in AGREED) | CORRECTED
 
     def problem(self, task: Task) -> Problem:
         """The task's numbers."""

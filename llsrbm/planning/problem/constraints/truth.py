@@ -1,4 +1,4 @@
-"""Turn of the whole body in flight, against the model's."""
+"""What the whole body does, against the model: its turn in flight, and where its feet roll to."""
 
 from __future__ import annotations
 
@@ -23,18 +23,8 @@ BEARABLE_TURNING = 0.02
 ROLLED_OFF = 0.003  # m by which feet may stand beside where they have rolled
 
 
-class TrueTurn(Constraint):
-    """The model's errors turn the base by no more than a landing bears.
-
-    The maps of the legs are fitted about the standing feet; of feet far out they are a few per cent
-    wrong, and a robot that follows such a plan arrives tilted. No rows: the check alone, by
-    Pinocchio. The base with the planned momentum and the joints' motion turns at I^-1 (L - h)
-    instead of as planned; the difference, over the flight, is the amount. The constant inertia of
-    `srbm` and the point masses of `llsrbm` are for comparison, and are not held to it.
-    """
-
-    name = "true_turn"
-    unit = "rad"
+class CheckAlone(Constraint):
+    """Has no rows: a finished plan is checked, by the whole body."""
 
     def applies(self, role: Role) -> bool:
         """Nowhere."""
@@ -47,6 +37,20 @@ class TrueTurn(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """None."""
         return np.zeros(0), np.zeros(0)
+
+
+class TrueTurn(CheckAlone):
+    """The model's errors turn the base by no more than a landing bears.
+
+    The maps of the legs are fitted about the standing feet; of feet far out they are a few per cent
+    wrong, and a robot that follows such a plan arrives tilted. By Pinocchio: the base with the
+    planned momentum and the joints' motion turns at I^-1 (L - h) instead of as planned; the
+    difference, over the flight, is the amount. The constant inertia of `srbm` and the point masses
+    of `llsrbm` are for comparison, and are not held to it.
+    """
+
+    name = "true_turn"
+    unit = "rad"
 
     def violation(self, knots: Knots) -> Array:
         """Beyond what is bearable, at each touchdown."""
@@ -59,26 +63,11 @@ class TrueTurn(Constraint):
         return out
 
 
-class Rolling(Constraint):
-    """Feet of a body that turns over stand where they have rolled to.
-
-    No rows: the check alone, of where the feet of an earlier solution had rolled.
-    """
+class Rolling(CheckAlone):
+    """Feet of a body that turns over stand where they have rolled to, in an earlier solution."""
 
     name = "rolling"
     unit = "m"
-
-    def applies(self, role: Role) -> bool:
-        """Nowhere."""
-        return False
-
-    def rows(self, stage: Stage) -> Any:
-        """None."""
-        return ca.SX(0, 1)
-
-    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """None."""
-        return np.zeros(0), np.zeros(0)
 
     def violation(self, knots: Knots) -> Array:
         """Beyond what is bearable, at each knot."""
