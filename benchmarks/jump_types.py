@@ -84,7 +84,7 @@ def failures(outcomes: list[Outcome]) -> str:
         outcome.reason
         or (f"foot {1e3 * outcome.foot_error:.0f} mm off" * (outcome.foot_error >= FEET_WITHIN))
         or (f"tilt {outcome.peak_tilt:.2f} rad" * bool(outcome.peak_tilt >= PEAK_TILT))
-        or ("trunk touched" * outcome.trunk_touched)
+        or ("links touched" * bool(outcome.touched))
         or (f"in the air again {1e3 * outcome.second_flight_s:.0f} ms")
         for outcome in outcomes
         if not outcome.strict
