@@ -1,4 +1,4 @@
-"""What the whole body does, against the model: its turn in flight, and where its feet roll to."""
+"""The model against what the whole body does: its turn in flight, and where its feet roll to."""
 
 from __future__ import annotations
 
