@@ -14,7 +14,18 @@ from typing import Any, TypeVar
 
 from app.panel.acts import Act
 from app.panel.panel import Panel
-from app.tab.effects import Effect, Keep, Notify, Play, Queue, Reported, ResetControls, Seek, Submit
+from app.tab.effects import (
+    Effect,
+    Keep,
+    Notify,
+    Play,
+    Queue,
+    Reported,
+    ResetControls,
+    Seek,
+    SetPlayback,
+    Submit,
+)
 from app.tab.state import TabState
 from app.workers.tasks import Task
 
@@ -24,6 +35,8 @@ Step = tuple[TabState, tuple[Effect, ...]]
 Condition = Callable[[TabState], bool]
 Handler = TypeVar("Handler", bound=Callable[..., "Step | TabState"])
 Reader = Callable[[TabState, Panel], tuple[Any, list[str]]]
+
+SLOW_MOTION = 0.25  # seconds of motion a second; one of the speeds that the page offers
 
 _handlers: dict[Any, Callable[..., Step | TabState]] = {}
 _readers: dict[Act, Reader] = {}
@@ -80,6 +93,10 @@ def event_of(act: Act, state: TabState, panel: Panel) -> Any:
 
 def update(state: TabState, event: Any) -> Step:
     """A tab's state after an event, and what has to be done outside of it."""
+    return _paced(state, _updated(state, event))
+
+
+def _updated(state: TabState, event: Any) -> Step:
     if isinstance(event, Act):
         return _step(_handlers[event](state))
     if isinstance(event, Reported):
@@ -103,6 +120,20 @@ def is_enabled(act: Act, state: TabState) -> bool:
 def is_visible(act: Act, state: TabState) -> bool:
     """Whether its button is seen."""
     return act not in _visible or _visible[act](state)
+
+
+def _paced(before: TabState, step: Step) -> Step:
+    """A step that goes to a flip or from one also goes to slow motion, unless another pace is set.
+
+    A flip turns the body over in half a second.
+    """
+    state, effects = step
+    turns = state.design.jump.turns
+    usual, wanted = (1.0, SLOW_MOTION) if turns else (SLOW_MOTION, 1.0)
+    if turns == before.design.jump.turns or state.playback.speed != usual:
+        return step
+    playback = replace(state.playback, speed=wanted)
+    return replace(state, playback=playback), (*effects, SetPlayback(wanted, playback.loop))
 
 
 def _step(result: Step | TabState) -> Step:

@@ -16,21 +16,23 @@ Array = NDArray[np.float64]
 FULL_UP_TO = 0.7
 """Share of the speed limit up to which the whole torque is there; from there it falls to zero."""
 
+_SLOWEST = 1e-6  # rad/s or m/s: no drive takes back anything at rest
 _ZERO = np.zeros(())  # an array: a float takes NumPy longer to look at than to compare
 
 
 def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
     """Lowest and highest torque, (..., J) each, Nm or N, at speeds (..., J) rad/s or m/s.
 
-    Driving torque falls in a straight line to zero at the speed limit; braking torque does not.
-    Joints are in the order of `Robot.joint_names`.
+    Driving torque falls in a straight line to zero at the speed limit; braking torque falls where
+    the drive would take back more than its file's `limits.regeneration`. Joints are in the order of
+    `Robot.joint_names`.
     """
     torque, at_rest, slope = _lines(robot)
-    drop = slope * speed
+    drop, braking = slope * speed, _braking(robot, speed)
     # Minimum and maximum take a third of clip's time.
     return (
-        np.maximum(np.minimum(-at_rest - drop, _ZERO), -torque),
-        np.minimum(np.maximum(at_rest - drop, _ZERO), torque),
+        np.maximum(np.minimum(-at_rest - drop, _ZERO), np.where(speed > 0, -braking, -torque)),
+        np.minimum(np.maximum(at_rest - drop, _ZERO), np.where(speed < 0, braking, torque)),
     )
 
 
@@ -40,9 +42,17 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
     Called in every step of a simulation.
     """
     limit, at_rest, slope = _lines(robot)
-    falling = at_rest - np.copysign(slope, torque) * speed
-    most: Array = np.minimum(np.maximum(falling, _ZERO), limit)
-    return most
+    along = np.copysign(1.0, torque) * speed  # negative: it brakes
+    most: Array = np.minimum(np.maximum(at_rest - slope * along, _ZERO), limit)
+    return np.minimum(most, np.where(along < 0, _braking(robot, speed), limit))
+
+
+def _braking(robot: Robot, speed: Array) -> Array:
+    """Largest torque (..., J) that brakes at speeds (..., J)."""
+    power = robot.file.limits.regeneration
+    if power is None:
+        return robot.torque_limit
+    return np.minimum(robot.torque_limit, power / np.maximum(np.abs(speed), _SLOWEST))
 
 
 @lru_cache(maxsize=32)

@@ -24,6 +24,7 @@ _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 _NOT_OF_PLANS: Any = {
     **dict.fromkeys(("control", "uncertainty", "example", "link_pairs"), True),
     "turning": {"axes": True},
+    "limits": {"regeneration": True},
 }
 
 

@@ -181,6 +181,7 @@ class Limits(Table):
             or one for each joint of a leg, from the base outwards; the URDF's if left out.
         joint_speed: largest joint speed, rad/s or m/s, in the same way.
         torque_share, speed_share: shares of them that a plan may use; the rest is for feedback.
+        regeneration: largest power, W, that a drive takes back as it brakes; None: any.
         stop_margin: what joints keep from either of the URDF's stops, a share of what lies between.
         knee_margin: m that knees of standing legs keep from what the feet stand on.
         legs_apart: m that legs side by side keep from each other in flight.
@@ -195,6 +196,7 @@ class Limits(Table):
     joint_speed: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
     torque_share: Positive = 0.85
     speed_share: Positive = 0.9
+    regeneration: Positive | None = None
     stop_margin: Annotated[float, Field(ge=0, lt=0.5)] = 0.02
     knee_margin: Annotated[float, Field(ge=0, le=0.1)] = 0.045
     legs_apart: Annotated[float, Field(ge=0, le=0.2)] = 0.02

@@ -7,8 +7,11 @@ from dataclasses import replace
 
 import pytest
 
+from app.link import PlaybackChosen
 from app.panel.acts import Act
 from app.panel.status import Verdict
+from app.tab.acts import SLOW_MOTION
+from app.tab.effects import SetPlayback
 from app.workers.tasks import PlanJump
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
@@ -107,3 +110,18 @@ def test_a_design_of_a_type_that_its_robot_lacks_is_told_too():
     tab.take(Design(Jump(robot="slider", type="rear-last"), title="Odd"))
     assert tab.told[1].startswith('SLIDER does not support "Rear last"')
     assert tab.state.design == Design(Jump(robot="slider"))
+
+
+def test_flips_play_in_slow_motion_unless_a_pace_was_chosen(tab):
+    tab.move(robot="go2")
+    tab.settle()
+    tab.move(type="flip")
+    assert tab.state.playback.speed == SLOW_MOTION
+    assert SetPlayback(SLOW_MOTION, loop=True) in tab.effects
+    tab.settle()
+    tab.move(type="together")
+    assert tab.state.playback.speed == 1.0
+    tab.take(PlaybackChosen(0.5, loop=True))
+    tab.settle()
+    tab.move(type="flip")
+    assert tab.state.playback.speed == 0.5
