@@ -26,7 +26,11 @@ from llsrbm.commands import options
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.solve.planner import Planner, planner_of
+from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives import with_drives
+from llsrbm.simulation.simulate import simulate
 from llsrbm.simulation.verdict import FEET_WITHIN, PEAK_TILT
 
 app = typer.Typer(help=__doc__, add_completion=False)
@@ -74,8 +78,9 @@ CASES = (
 )
 
 
-def simulated(plan: Plan, seeds: range) -> list[Outcome]:
-    return [llsrbm.simulate(plan, seed=seed).outcome for seed in seeds]
+def simulated(plan: Plan, seeds: range, regeneration: float | None = None) -> list[Outcome]:
+    robot = with_drives(load_robot(plan.jump.robot), regeneration=regeneration)
+    return [simulate(plan, robot, Scenario(seed=seed)).outcome for seed in seeds]
 
 
 def failures(outcomes: list[Outcome]) -> str:
@@ -98,6 +103,9 @@ def score(
     names: Annotated[str, typer.Option(help="Part of the cases' names; all if empty.")] = "",
     robots: str = "anymal,go2,slider",
     model: str = "llsrbm-plus",
+    regeneration: Annotated[
+        float | None, typer.Option(help="W that a drive takes back at most; none: any.")
+    ] = None,
 ) -> None:
     """How many seeds land strictly, a type and a robot."""
     print("| jump | robot | planned | strict | stand | not strict |\n|---|---|---|---|---|---|")
@@ -114,16 +122,17 @@ def score(
                 speed=case.speed,
                 pitch=case.pitch,
             )
-            print(f"| {case.name} | {robot} | {judged(jump, seeds_of(seeds))} |", flush=True)
+            cells = judged(jump, seeds_of(seeds), regeneration)
+            print(f"| {case.name} | {robot} | {cells} |", flush=True)
 
 
-def judged(jump: llsrbm.Jump, seeds: range) -> str:
+def judged(jump: llsrbm.Jump, seeds: range, regeneration: float | None) -> str:
     """The cells of one jump."""
     try:
         plan = llsrbm.plan(jump)
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
-    outcomes = simulated(plan, seeds)
+    outcomes = simulated(plan, seeds, regeneration)
     counts = count(outcomes)
     return (
         f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "

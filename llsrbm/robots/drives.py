@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,29 +57,39 @@ def _braking(robot: Robot, speed: Array) -> Array:
 
 
 @lru_cache(maxsize=32)
-def with_drives(robot: Robot, torque: float = 1.0, speed: float = 1.0) -> Robot:
-    """The robot with `torque` and `speed` times its drives' limits; the same object each time."""
-    if torque == 1.0 and speed == 1.0:
-        return robot
-    index = robot.leg_joint_index[0]
-    legs_alike = all(
-        (limit[robot.leg_joint_index] == limit[index]).all()
-        for limit in (robot.torque_limit, robot.speed_limit)
-    )
-    if not legs_alike:
-        raise InputError(
-            f"{robot.name}: its legs' drives differ in the URDF; expected limits.torque and "
-            "limits.joint_speed in the robot file, to scale them"
+def with_drives(
+    robot: Robot, torque: float = 1.0, speed: float = 1.0, regeneration: float | None = None
+) -> Robot:
+    """The robot with `torque` and `speed` times its drives' limits; the same object each time.
+
+    `regeneration`: W that each drive takes back at most; None: as the robot's file says.
+    """
+    changes: dict[str, Any] = {}
+    if (torque, speed) != (1.0, 1.0):
+        index = robot.leg_joint_index[0]
+        legs_alike = all(
+            (limit[robot.leg_joint_index] == limit[index]).all()
+            for limit in (robot.torque_limit, robot.speed_limit)
         )
-    limits = robot.file.limits.model_copy(
-        update={
+        if not legs_alike:
+            raise InputError(
+                f"{robot.name}: its legs' drives differ in the URDF; expected limits.torque and "
+                "limits.joint_speed in the robot file, to scale them"
+            )
+        changes = {
             "torque": tuple((torque * robot.torque_limit[index]).tolist()),
             "joint_speed": tuple((speed * robot.speed_limit[index]).tolist()),
         }
-    )
-    # The name tells the solvers' places in the cache apart.
-    name = f"{robot.name}-torque-{torque:g}-speed-{speed:g}"
-    file = robot.file.model_copy(update={"name": name, "limits": limits})
+    if regeneration is not None:
+        changes["regeneration"] = regeneration
+    if not changes:
+        return robot
+    limits = robot.file.limits.model_copy(update=changes)
+    file = robot.file.model_copy(update={"limits": limits})
+    if (torque, speed) != (1.0, 1.0):
+        # The name tells the solvers' places in the cache apart.
+        name = f"{robot.name}-torque-{torque:g}-speed-{speed:g}"
+        file = file.model_copy(update={"name": name})
     other = replace(robot, file=file)
     vars(other)["fit"] = robot.fit  # of the legs' masses and reach, which are the same
     return other

@@ -2,9 +2,12 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction, with_drives
+from llsrbm.robots.drives import torque_in_direction, torque_range, with_drives
 
 ROBOT = load_robot("slider")
 LIMIT, SPEED = ROBOT.torque_limit, ROBOT.speed_limit
@@ -22,6 +25,30 @@ def test_driving_torque_falls_and_braking_torque_does_not(share, driving):
     np.testing.assert_allclose(
         torque_in_direction(ROBOT, speed, -torque), [LIMIT, driving * LIMIT], atol=1e-9
     )
+
+
+def test_a_drive_that_brakes_takes_back_no_more_power_than_its_file_says():
+    power = 0.5 * float((LIMIT * SPEED).min())  # W
+    robot, speed = with_drives(ROBOT, regeneration=power), np.linspace(-2, 2, 41)[:, None] * SPEED
+    for sign in (1.0, -1.0):
+        most = torque_in_direction(robot, speed, sign * LIMIT)
+        braking = sign * speed < 0
+        np.testing.assert_array_less((most * np.abs(speed))[braking], power * (1 + 1e-9))
+        free = torque_in_direction(ROBOT, speed, sign * LIMIT)
+        np.testing.assert_array_equal(most[~braking], free[~braking])
+        slow = np.abs(speed * LIMIT) < power
+        np.testing.assert_array_equal(most[slow], free[slow])
+
+
+@given(
+    share=arrays(float, len(LIMIT), elements=st.floats(-2.5, 2.5)),
+    power=st.none() | st.floats(10.0, 5000.0),
+)
+def test_the_range_of_torques_ends_where_each_direction_does(share, power):
+    robot, speed = with_drives(ROBOT, regeneration=power), share * SPEED
+    low, high = torque_range(robot, speed)
+    np.testing.assert_allclose(high, torque_in_direction(robot, speed, LIMIT))
+    np.testing.assert_allclose(low, -torque_in_direction(robot, speed, -LIMIT))
 
 
 def test_other_drives_give_more_and_the_rest_of_the_robot_is_the_same():
