@@ -142,6 +142,11 @@ class World:
         self.reset(robot.posture, np.zeros(robot.model.nv))
 
     @property
+    def mass(self) -> float:
+        """Total mass (kg) of the simulated robot."""
+        return float(self._model.body_subtreemass[self._model.jnt_bodyid[0]])
+
+    @property
     def time(self) -> float:
         """Since the reset, s."""
         return self._ticks * self.tick
