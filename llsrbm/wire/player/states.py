@@ -100,13 +100,17 @@ class Check(State):
 
 
 class Ramp(State):
-    """Brings the joints into the plan's first posture, smoothly, and lets them bear the weight."""
+    """Brings the joints into the plan's first posture, smoothly, and lets them bear the weight.
+
+    It begins with the posture and the torques that are there, so nothing moves at once.
+    """
 
     name = "ramp"
 
     def __init__(self, tier: Tier, start: float) -> None:
         super().__init__(tier, start)
         self._from: Array | None = None
+        self._bears = np.zeros(len(tier.robot.joint_names))
         self._gains = gains(tier.robot)
         self.duration = LEAST_RAMP
         self._planned = tier.first.planned
@@ -115,7 +119,7 @@ class Ramp(State):
         """See `State`."""
         first = self.tier.first
         if self._from is None:
-            self._from = readings.q
+            self._from, self._bears = readings.q, readings.torque
             far = float(np.abs(first.joints - readings.q).max())
             # A smooth step is half as fast again in its middle as on average.
             self.duration = max(LEAST_RAMP, 1.5 * far / RAMP_SPEED)
@@ -124,7 +128,8 @@ class Ramp(State):
         way = first.joints - self._from
         q = self._from + share * way
         self._planned = Planned(q, self._planned.up)
-        return MotorCommand(q, rate * way, share * first.torque, *self._gains)
+        torque = (1 - share) * self._bears + share * first.torque
+        return MotorCommand(q, rate * way, torque, *self._gains)
 
     def planned(self, readings: Readings) -> Planned:
         """See `State`."""
@@ -163,7 +168,7 @@ class Stand(State):
                 f"posture: {self.tier.robot.joint_names[joint]} is {off[joint]:.2f} rad from "
                 f"the plan's first posture, expected at most {STANDS_WITHIN:g}"
             )
-        tilted = tilt_from(first.up, readings.quat)
+        tilted = tilt_from(first.planned.up, readings.quat)
         if tilted > STANDS_UPRIGHT:
             return (
                 f"posture: the base is {np.degrees(tilted):.0f} deg from the plan's first "
