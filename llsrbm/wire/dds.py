@@ -72,7 +72,11 @@ def sample_type(layout: Layout) -> Any:
     def deserialize(of: type[Any], /, data: bytes, **_: Any) -> Any:
         return of(layout.from_wire(data))
 
+    def no_key(of: type[Any], /, data: bytes, **_: Any) -> None:
+        """Of the sample that marks a writer's end: these types have no key."""
+
     made.__init__, made.serialize, made.deserialize = keep, serialize, classmethod(deserialize)
+    made.deserialize_key = classmethod(no_key)
     return made
 
 
