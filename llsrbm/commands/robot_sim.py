@@ -93,8 +93,7 @@ def robot_sim_command(
         simulated.observers.append(note)
         kept = _run(simulated, end, duration)
         result = _result(simulated, kept, end.refused, touches)
-        lines = {} if as_json else {key: str(value) for key, value in result.items()}
-        console.print_result(result, lines, stdout, as_json=as_json)
+        console.print_result(result, _in_words(result), stdout, as_json=as_json)
     return console.DONE
 
 
@@ -147,6 +146,7 @@ def _result(
     computing = np.array(kept.computing or [0.0])
     return {
         "time_s": round(robot.time, 3),
+        "ticks": kept.ticks,
         "late_ticks": kept.late,
         "worst_late_s": round(kept.worst, 6),
         "slipped_s": round(kept.slipped, 6),
@@ -158,4 +158,20 @@ def _result(
         "touched": "; ".join(
             f"{touch.link} touched {touch.other} at {time:.2f} s" for touch, time in touches.items()
         ),
+    }
+
+
+def _in_words(result: dict[str, Any]) -> dict[str, str]:
+    late = f"{result['late_ticks']} of {result['ticks']} ticks began late"
+    if result["late_ticks"]:
+        late += f", at worst by {1e3 * result['worst_late_s']:.1f} ms"
+    if result["slipped_s"]:
+        late += f"; the robot's clock slipped by {result['slipped_s']:.2f} s"
+    wrong = result["wrong_checksums"]
+    return {
+        "time": f"{result['time_s']:.2f} s, {late}",
+        "tick": f"{1e3 * result['tick_p50_s']:.2f} ms (p99 {1e3 * result['tick_p99_s']:.2f} ms)",
+        "commands": f"{result['commands']}, {wrong} with a wrong checksum"
+        + (", then silence: it brakes" if result["braking"] else ""),
+        "touched": result["touched"] or "nothing but feet touched anything",
     }
