@@ -126,20 +126,20 @@ def _participant(interface: str, domain: int) -> DomainParticipant:
 
 
 def _configured(interface: str, domain: int) -> Domain:
-    # On the loopback there is no multicast; other processes are looked for port by port.
-    alone = (
-        '<Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address="127.0.0.1"/>'
-        "</Peers></Discovery>"
-        if interface == LOOPBACK
-        else ""
-    )
-    multicast = "<AllowMulticast>false</AllowMulticast>" if alone else ""
-    return Domain(
-        domain,
-        "<CycloneDDS><Domain><General><Interfaces>"
-        f"<NetworkInterface name={quoteattr(interface)}/>"
-        f"</Interfaces>{multicast}</General>{alone}</Domain></CycloneDDS>",
-    )
+    """The domain on that interface, by the package's defaults as the maker's own programs have it.
+
+    On the loopback other processes are looked for port by port, too: it may have no multicast.
+    """
+    general = f"<Interfaces><NetworkInterface name={quoteattr(interface)}/></Interfaces>"
+    discovery = ""
+    if interface == LOOPBACK:
+        general += "<AllowMulticast>spdp</AllowMulticast>"  # to be found by, and for nothing else
+        discovery = (
+            "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+            '<Peers><Peer Address="127.0.0.1"/></Peers></Discovery>'
+        )
+    inside = f"<General>{general}</General>{discovery}"
+    return Domain(domain, f"<CycloneDDS><Domain>{inside}</Domain></CycloneDDS>")
 
 
 class _Ends:
