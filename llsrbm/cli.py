@@ -28,6 +28,7 @@ from llsrbm.commands.listing import (
 )
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.robot import robot_app
+from llsrbm.commands.robot_sim import robot_sim_command
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.commands.sweep import dataset_command, sweep_command
 from llsrbm.errors import Error, InputError
@@ -93,6 +94,7 @@ app.command("compare")(compare_command)
 app.command("sweep")(sweep_command)
 app.command("atlas")(atlas_command)
 app.command("dataset")(dataset_command)
+app.command("robot-sim")(robot_sim_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -127,9 +127,9 @@ class SimulatedRobot:
         """Of the battery, share of its voltage without load."""
         return self.world.drives.voltage
 
-    def send(self, command: MotorCommand) -> None:
-        """Send a command at this moment; motors follow it from when it arrives."""
-        self._commands.send(self.time, command)
+    def send(self, command: MotorCommand, time: float | None = None) -> None:
+        """Send a command at a time, s, None: now; motors follow it from when it arrives."""
+        self._commands.send(self.time if time is None else time, command)
 
     def readings(self) -> list[Readings]:
         """The readings that have arrived by now and were not taken yet, the first at time 0."""
