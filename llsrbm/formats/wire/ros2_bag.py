@@ -192,7 +192,9 @@ def _contacts(motion: WholeBodyMotion, times: list[int]) -> Iterator[_Message]:
 
 
 def _made(kind: str, **fields: Any) -> Any:
-    return _STORE.types[kind](**fields)
+    """A message; arrays (n,) are copied, as rows of others may have gaps in memory."""
+    arrays = {name: np.array(v) for name, v in fields.items() if isinstance(v, np.ndarray)}
+    return _STORE.types[kind](**(fields | arrays))
 
 
 def _time(nanoseconds: int, kind: str = "Time") -> Any:
