@@ -117,7 +117,9 @@ def main(
             with ProcessPoolExecutor(jobs) as pool:
                 count = len(seeds_of(seeds))
                 rows = list(
-                    pool.map(figures, [name] * count, [plans] * count, [tier] * count, seeds_of(seeds))
+                    pool.map(
+                        figures, [name] * count, [plans] * count, [tier] * count, seeds_of(seeds)
+                    )
                 )
             print(line(name, tier, rows), flush=True)
             results += rows

@@ -35,7 +35,7 @@ from llsrbm.errors import Error, InputError
 from llsrbm.robots import Robot
 from llsrbm.wire.layout import Layout, Record
 from llsrbm.wire.link import Link
-from llsrbm.wire.unitree import Health, UnitreeMessages
+from llsrbm.wire.unitree import UnitreeMessages
 from llsrbm.wire.unitree_layouts import COMMAND_TOPIC, STATE_TOPIC, STRUCTURES
 
 LOOPBACK = "lo"
@@ -188,7 +188,6 @@ class DdsLink(Link):
     """The player's end of a Unitree robot's wire, real or simulated.
 
     `interface`: the network interface towards it; `domain`: None for that of `default_domain`.
-    `health`: as of the last reading, None before the first.
     Raises `InputError`: no such interface, or no such messages of this robot; `Error`: DDS fails.
     """
 
@@ -201,7 +200,6 @@ class DdsLink(Link):
             (STATE_TOPIC, self._messages.state_layout),
         )
         self._arrived: deque[Record] = deque()
-        self.health: Health | None = None
 
     def send(self, command: MotorCommand) -> None:
         """Send a command; it holds until the next one."""

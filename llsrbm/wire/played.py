@@ -30,9 +30,9 @@ from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
 from llsrbm.simulation.surroundings import Surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import FLAT, TickResult
-from llsrbm.wire.player.play_log import PlayLog
 from llsrbm.wire.player import Ended, Player, Tier, make_tier
 from llsrbm.wire.player.closed_loop import ClosedLoop
+from llsrbm.wire.player.play_log import PlayLog
 from llsrbm.wire.player.states import Jumping, State
 from llsrbm.wire.simulated_robot import TICK, Conditions, DirectLink, SimulatedRobot, TrueTick
 

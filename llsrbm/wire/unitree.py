@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -13,6 +11,7 @@ from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
 from llsrbm.robots import Robot
 from llsrbm.wire.layout import Layout, Record
+from llsrbm.wire.link import Health
 from llsrbm.wire.motor_map import MotorMap
 from llsrbm.wire.unitree_layouts import FAMILIES
 
@@ -26,15 +25,6 @@ IDLE_POSITION, IDLE_SPEED = 2.146e9, 16000.0
 _TICKS = 1000.0  # of a robot's clock a second
 _VOLTAGE = 28.8  # V that simulated batteries have without load: Go2's
 _WARM = 30  # deg C of all that a simulated robot has
-
-
-@dataclass(frozen=True)
-class Health:
-    """A robot's own account of itself: `voltage` of the battery, V; None: not on its wire."""
-
-    voltage: float | None
-    charge: float | None  # share, 0 to 1
-    hottest: float  # deg C, of the motors
 
 
 class UnitreeMessages:

@@ -16,6 +16,9 @@ _COMMAND = ("q", "dq", "tau", "kp", "kd")
 _READINGS = ("quat", "gyro", "acceleration", "q", "dq", "torque", "foot_force")
 
 
+_Row = tuple[str, float, float, Readings, MotorCommand | None, tuple[Array, Array] | None]
+
+
 class PlayLog:
     """Rows in memory, so that no disk delays a command; T of them, J joints.
 
@@ -27,12 +30,7 @@ class PlayLog:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        self._rows: list[
-            tuple[
-                *(str, float, float, Readings),
-                *(MotorCommand | None, tuple[Array, Array] | None),
-            ]
-        ] = []
+        self._rows: list[_Row] = []
 
     def __len__(self) -> int:
         return len(self._rows)

@@ -21,6 +21,7 @@ from llsrbm.wire.player.stops import (
     Stop,
     Tilt,
     TrackingError,
+    Unwell,
 )
 from llsrbm.wire.player.tier import PERIOD, Tier
 
@@ -64,7 +65,7 @@ class Player:
         self._deadlines = MissedDeadlines()
         self._stops: tuple[Stop, ...] = (
             *(Tilt(), TrackingError(tier.robot), IdleDrive(tier.robot)),
-            *(LateReadings(), self._deadlines),
+            *(LateReadings(), self._deadlines, Unwell()),
         )
         self._sent: deque[MotorCommand] = deque(maxlen=UNDER_WAY)
         self._asked = ""
@@ -118,7 +119,8 @@ class Player:
         return state
 
     def _stopped(self, state: State, readings: Readings, now: float) -> str:
-        moment = Moment(now, readings, state.planned(readings), tuple(self._sent))
+        planned, sent = state.planned(readings), tuple(self._sent)
+        moment = Moment(now, readings, planned, sent, self._link.health)
         reasons = [stop.find(moment) for stop in self._stops]  # each counts its own ticks
         return next(filter(None, reasons), "")
 
@@ -132,7 +134,8 @@ class Player:
         self.log.add(state.name, received, now - received, readings, command, self._tier.estimate)
 
     def _damp(self) -> None:
-        state = self._begun(Damp(self._tier, self._clock()))
+        state = Damp(self._tier, self._clock())
+        self._begun(state)
         for _ in range(round(state.duration / PERIOD)):
             self._link.send(state.brake)
             readings = self._link.receive(PERIOD)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
-from llsrbm.wire.player.posture import brake, gains
+from llsrbm.wire.player.posture import Planned, brake, gains, up_of_quat
 from llsrbm.wire.player.stops import tilt_from
-from llsrbm.wire.player.tier import Planned, Tier
+from llsrbm.wire.player.tier import Tier
 
 Array = NDArray[np.float64]
 
@@ -35,6 +35,7 @@ class State(ABC):
     """A state, from its first reading on; times are s by the robot's clock."""
 
     name: ClassVar[str]
+    says: ClassVar[str]  # to those who watch
     duration: float  # s, planned
 
     def __init__(self, tier: Tier, start: float) -> None:
@@ -65,6 +66,7 @@ class Check(State):
     """Listens: is the robot upright, at rest, and in a posture from which it can be brought up."""
 
     name = "check"
+    says = "listens: posture, tilt, battery"
     duration = CHECKS_FOR
 
     def command(self, readings: Readings) -> None:
@@ -94,6 +96,10 @@ class Check(State):
                 return f"posture: {name} is {off[joint]:.2f} {words}, expected at most {most:g}"
         return ""
 
+    def planned(self, readings: Readings) -> Planned:
+        """Nothing is asked of it yet."""
+        return Planned(readings.q, up_of_quat(readings.quat))
+
     def following(self, time: float) -> State:
         """See `State`."""
         return Ramp(self.tier, time)
@@ -106,6 +112,7 @@ class Ramp(State):
     """
 
     name = "ramp"
+    says = "into the plan's first posture"
 
     def __init__(self, tier: Tier, start: float) -> None:
         super().__init__(tier, start)
@@ -120,9 +127,7 @@ class Ramp(State):
         first = self.tier.first
         if self._from is None:
             self._from, self._bears = readings.q, readings.torque
-            far = float(np.abs(first.joints - readings.q).max())
-            # A smooth step is half as fast again in its middle as on average.
-            self.duration = max(LEAST_RAMP, 1.5 * far / RAMP_SPEED)
+            self.duration = ramp_duration(self.tier, readings.q)
         s = min(max((readings.time - self.start) / self.duration, 0.0), 1.0)
         share, rate = s * s * (3 - 2 * s), 6 * s * (1 - s) / self.duration
         way = first.joints - self._from
@@ -146,6 +151,7 @@ class Stand(State):
     """Stands in the plan's first posture, as the tier does it."""
 
     name = "stand"
+    says = "in the plan's first posture"
     duration = STANDS_FOR
 
     def command(self, readings: Readings) -> MotorCommand:
@@ -185,6 +191,7 @@ class Jumping(State):
     """The plan, and standing where it ends."""
 
     name = "jump"
+    says = "the plan, and a second of standing after it"
 
     def __init__(self, tier: Tier, start: float) -> None:
         super().__init__(tier, start)
@@ -211,6 +218,7 @@ class Damp(State):
     """Brakes alone, whatever the readings; `start` is by the player's own clock."""
 
     name = "damp"
+    says = "brakes alone"
     duration = DAMPS_FOR
 
     def __init__(self, tier: Tier, start: float) -> None:
@@ -224,3 +232,18 @@ class Damp(State):
     def following(self, time: float) -> State:
         """See `State`."""
         return self
+
+
+def outline(tier: Tier, joints: Array) -> list[tuple[str, float, str]]:
+    """Name, duration (s) and purpose of all states, for a robot that begins with joints (J,)."""
+    ramp = Ramp(tier, 0.0)
+    ramp.duration = ramp_duration(tier, joints)
+    states = (Check(tier, 0.0), ramp, Stand(tier, 0.0), Jumping(tier, 0.0), Damp(tier, 0.0))
+    return [(state.name, state.duration, state.says) for state in states]
+
+
+def ramp_duration(tier: Tier, joints: Array) -> float:
+    """S from joints (J,) into the plan's first posture."""
+    far = float(np.abs(tier.first.joints - joints).max())
+    # A smooth step is half as fast again in its middle as on average.
+    return max(LEAST_RAMP, 1.5 * far / RAMP_SPEED)

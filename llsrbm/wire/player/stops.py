@@ -14,6 +14,7 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
+from llsrbm.wire.link import Health
 from llsrbm.wire.player.posture import Planned, up_of_quat
 from llsrbm.wire.player.tier import PERIOD
 
@@ -29,8 +30,10 @@ LATE, LATE_FOR = 0.01, 0.01  # s by which readings are later than the first ones
 # two of them.
 MISSED, LAST_SENT, PAUSED = 10, 50, 0.02
 # Share of a drive's torque by which it differs from every command under way, and for how long, s.
-IDLE, IDLE_FOR = 0.1, 0.04
+IDLE, IDLE_FOR = 0.08, 0.04
 UNDER_WAY = 4  # commands: up to 6 ms
+# Of motors, deg C, and of the battery's charge. Our own choice: a jump takes the most of both.
+HOTTEST, LEAST_CHARGE = 75.0, 0.25
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +44,7 @@ class Moment:
     readings: Readings
     planned: Planned  # of the last command
     sent: Sequence[MotorCommand]  # the last ones, the latest first
+    health: Health | None = None
 
 
 class Stop(ABC):
@@ -164,3 +168,24 @@ class MissedDeadlines(Stop):
             f"deadlines: {missed} of the last {len(self._missed)} commands came more than "
             f"{1e3 * PERIOD:.0f} ms after their reading, {MISSED - 1} are allowed"
         )
+
+
+class Unwell(Stop):
+    """Motors are hot or the battery is low, by what the robot says of itself."""
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        health = moment.health
+        if health is None:
+            return ""
+        if health.hottest > HOTTEST:
+            return (
+                f"temperature: a motor has {health.hottest:.0f} deg C, at most {HOTTEST:.0f} are "
+                "allowed"
+            )
+        if health.charge is not None and health.charge < LEAST_CHARGE:
+            return (
+                f"battery: {100 * health.charge:.0f} % are left, at least {100 * LEAST_CHARGE:.0f} "
+                "are needed"
+            )
+        return ""
