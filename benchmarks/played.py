@@ -25,6 +25,7 @@ from llsrbm.motion.whole_body import motion_at, pinocchio_states
 from llsrbm.planning.whole_body.feedback import in_order
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
+from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import Diverged, World
 
 Array = NDArray[np.float64]
@@ -46,7 +47,7 @@ def play(plan: llsrbm.Plan, way: str, seed: int, push: Array | None = None) -> t
         contact_time=rng.uniform(0.004, 0.01),
         torque_delay_ticks=int(rng.integers(0, 3)),
     )
-    world = World(robot, plan, Scenario(), disturbance, TICK)
+    world = World(robot, surroundings(robot, plan, Scenario()), disturbance, TICK)
     time = np.arange(0.0, plan.duration, TICK)
     motion = motion_at(plan, time)
     assert motion.joint_torque is not None

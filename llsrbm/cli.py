@@ -18,6 +18,7 @@ from llsrbm.commands.atlas import atlas_command
 from llsrbm.commands.check import check_command
 from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_error
+from llsrbm.commands.deploy import deploy_command
 from llsrbm.commands.export import export_command, formats_command, replay_command
 from llsrbm.commands.listing import (
     designs_command,
@@ -28,6 +29,7 @@ from llsrbm.commands.listing import (
 )
 from llsrbm.commands.plan import plan_command
 from llsrbm.commands.robot import robot_app
+from llsrbm.commands.robot_sim import robot_sim_command
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.commands.sweep import dataset_command, sweep_command
 from llsrbm.errors import Error, InputError
@@ -93,6 +95,8 @@ app.command("compare")(compare_command)
 app.command("sweep")(sweep_command)
 app.command("atlas")(atlas_command)
 app.command("dataset")(dataset_command)
+app.command("robot-sim")(robot_sim_command)
+app.command("deploy")(deploy_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +75,8 @@ class Reference:
 
     def at(self, time: float) -> Target:
         """The plan's nearest sample to a time, s since its start."""
+        if time <= -_STEP:
+            return self._standing
         index = min(max(round(time / _STEP), 0), self._samples - 1)
         target = self._targets.get(index)
         if target is None:
@@ -84,6 +87,22 @@ class Reference:
             target = Target(**{name: values[row] for name, values in columns.items()})
             self._targets[index] = target
         return target
+
+    @cached_property
+    def _standing(self) -> Target:
+        """In the plan's first posture, before its start."""
+        first = self.at(0.0)
+        force = np.zeros_like(first.contact_force)
+        force[:, 2] = self._weight / len(force)
+        still = {
+            name: np.zeros_like(getattr(first, name))
+            for name in (
+                *("com_velocity", "com_acceleration", "angular_velocity", "angular_acceleration"),
+                *("angular_momentum", "angular_momentum_rate", "joint_velocity"),
+                *("joint_acceleration", "foot_velocity_from_com", "foot_acceleration_from_com"),
+            )
+        }
+        return replace(first, contact_force=force, **still)
 
     def late(self, flight: int) -> Target:
         """The target in a flight after its planned touchdown: legs held as they should land."""

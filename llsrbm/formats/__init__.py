@@ -25,6 +25,7 @@ from llsrbm.formats.pictures.video import GIF, MP4
 from llsrbm.formats.table import CSV
 from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
 from llsrbm.formats.unitree_csv import UNITREE_CSV
+from llsrbm.formats.wire import LOWCMD, ODRI_CSV, OPT_MIMIC_CSV, QUAD_SDK_CSV, ROS2_BAG
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
@@ -39,6 +40,7 @@ FORMATS: dict[str, Format] = {
     format_.name: format_
     for format_ in (
         *(NPZ, CSV, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
+        *(OPT_MIMIC_CSV, LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
         *(MUJOCO, MCAP, RRD, HTML, MP4, GIF, DESIGN),
     )
 }

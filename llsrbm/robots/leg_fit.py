@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FIT_VERSION = "4"  # part of the cache key: raise it when a fit's numbers change
 _NOT_OF_LEGS = {  # tables of a robot's file that no leg depends on
     *("title", "limits", "timing", "task", "example"),
-    *("control", "uncertainty", "turning", "planning", "link_pairs"),
+    *("control", "uncertainty", "turning", "planning", "link_pairs", "wire"),
 }
 
 _DERIVATIVE_WEIGHT = 0.1  # m: by how far a foot moves where its derivative counts as its value

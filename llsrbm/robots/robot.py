@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.
 _NOT_OF_PLANS: Any = {
-    **dict.fromkeys(("control", "uncertainty", "example", "link_pairs"), True),
+    **dict.fromkeys(("control", "uncertainty", "example", "link_pairs", "wire"), True),
     "turning": {"axes": True},
     "limits": {"regeneration": True},
 }

@@ -26,6 +26,7 @@ from llsrbm.request.tables import (
     validated,
 )
 from llsrbm.robots.control_schema import Control, Uncertainty
+from llsrbm.robots.wire_schema import Wire
 
 
 class AddedFrame(Table):
@@ -277,6 +278,7 @@ class RobotFile(Table):
         turning: a robot without it does no flips.
         planning: cost name -> weight, where this robot wants another one than
             `llsrbm.planning.problem.costs` has.
+        wire: a robot without it is simulated and has no messages of its own.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
@@ -297,6 +299,7 @@ class RobotFile(Table):
     turning: Turning | None = None
     link_pairs: LinkPairs = LinkPairs()
     planning: dict[str, Length] = Field(default_factory=dict)
+    wire: Wire | None = None
 
     @property
     def turning_axes(self) -> tuple[str, ...]:

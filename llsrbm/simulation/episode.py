@@ -243,7 +243,8 @@ class Episode:
         """One tick from `time`, s, on, after that of `last`; None when the simulation diverged."""
         world, controller, recorder = self._world, self._controller, self._recorder
         state, mujoco_state = world.state(), (world.qpos, world.qvel)
-        measurement = self._sensors.measure(time, state, last)
+        standing = controller.contacts.standing
+        measurement = self._sensors.measure(time, state, last, standing)
         situation = Situation(time, measurement, controller, world, self.replans)
         for hook in self._hooks:
             hook.before(situation)

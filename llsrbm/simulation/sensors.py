@@ -1,8 +1,9 @@
 """Sensors and state estimation: from the true state to the one `Measurement` a controller reads.
 
 Two layers. White noise on the measured velocities belongs to the disturbance that a seed draws. The
-estimator is chosen by the scenario, by name: `truth`, or `drift`, which errs as estimators of
-legged robots do that have an inertial unit, joint encoders and feet, and no camera.
+estimator is chosen by the scenario, by name: `truth`; `drift`, a model which errs as estimators of
+legged robots do that have an inertial unit, joint encoders and feet, and no camera; or `imu`, such
+an estimator, which reads simulated sensors with noise of their own.
 """
 
 from __future__ import annotations
@@ -16,14 +17,18 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.control.contact_schedule import Feet
 from llsrbm.control.delay import Measurement
+from llsrbm.estimation.state_estimator import StateEstimator
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
+from llsrbm.simulation.readings import Instruments
 from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]
+State = tuple[Array, Array]  # q (nq,) and v (nv,), Pinocchio's conventions
 
 # What `drift` errs by. Published closed loops of quadrupeds that walk end off by 0.1 to 2 % of the
 # way (a Go2: 2.2 m in 120 m, arXiv:2602.17393); a jump is harder on feet and inertial unit.
@@ -41,16 +46,20 @@ class Estimator(ABC):
     name: ClassVar[str]  # under which it is found
     summary: ClassVar[str]  # one line
     delay: ClassVar[float] = 0.0  # s by which a whole measurement comes late
+    noisy: ClassVar[bool] = True  # whether its velocities have the disturbance's noise
 
-    def __init__(self, tick: float, seed: int) -> None:
+    def __init__(self, robot: Robot, tick: float, seed: int) -> None:
         """Begin where the robot stands; `tick`: s between estimates, `seed` draws errors."""
-        del tick, seed
+        del robot, tick, seed
 
     @abstractmethod
-    def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
-        """The estimate of true q (nq,) and measured v (nv,), Pinocchio's, as a tick begins.
+    def estimate(
+        self, time: float, state: State, last: TickResult | None, standing: Feet
+    ) -> tuple[Array, Array, Array]:
+        """Estimated q, v and torques (J,) at `time`, s, as a tick begins.
 
-        `touching`: whether a foot touched anything in the tick that ended.
+        `state`: true q and measured v; `last`: of the tick that ended, None at first; `standing`:
+        (L,) feet that the controller believes to stand.
         """
 
 
@@ -59,9 +68,10 @@ class Truth(Estimator):
 
     name, summary = "truth", "the true position and attitude"
 
-    def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
-        del touching
-        return q, v
+    def estimate(
+        self, time: float, state: State, last: TickResult | None, standing: Feet
+    ) -> tuple[Array, Array, Array]:
+        return *state, _torque(state, last)
 
 
 class Drift(Estimator):
@@ -78,7 +88,7 @@ class Drift(Estimator):
     summary = "position and yaw drift, velocity and tilt err, as those of legged robots do"
     delay = DELAY
 
-    def __init__(self, tick: float, seed: int) -> None:
+    def __init__(self, robot: Robot, tick: float, seed: int) -> None:
         self._rng = np.random.default_rng([seed, 3])  # apart from disturbance, noise and pushes
         self._tick = tick
         # An error of the velocity that is forgotten after this time drifts as stated once summed.
@@ -90,7 +100,10 @@ class Drift(Estimator):
         self._yaw = 0.0  # the world is where it stood at first
         self._position = np.zeros(3)
 
-    def estimate(self, q: Array, v: Array, *, touching: bool) -> tuple[Array, Array]:
+    def estimate(
+        self, time: float, state: State, last: TickResult | None, standing: Feet
+    ) -> tuple[Array, Array, Array]:
+        q, v = state
         R_true = pin.Quaternion(q[3:7]).toRotationMatrix()
         R_tilt: Array = pin.exp3(np.array([*self._tilt, 0.0]))
         turned = pin.Quaternion(pin.utils.rotate("z", self._yaw) @ R_true @ R_tilt).coeffs()
@@ -98,8 +111,8 @@ class Drift(Estimator):
         estimated_q[:3] += self._position
         estimated_q[3:7] = turned if turned @ q[3:7] > 0 else -turned
         estimated_v[:3] += R_true.T @ self._velocity
-        self._wander(touching=touching)
-        return estimated_q, estimated_v
+        self._wander(touching=last is None or bool(last.contact.any()))
+        return estimated_q, estimated_v, _torque(state, last)
 
     def _wander(self, *, touching: bool) -> None:
         moved = self._tick * self._velocity
@@ -119,7 +132,51 @@ def _wandered(error: Array, keeps: float, size: float, rng: np.random.Generator)
     return keeps * error + math.sqrt(1 - keeps**2) * size * fresh
 
 
-ESTIMATORS: dict[str, type[Estimator]] = {kind.name: kind for kind in (Truth, Drift)}
+def _torque(state: State, last: TickResult | None) -> Array:
+    """(J,) as applied in the tick that ended."""
+    return np.zeros(len(state[1]) - 6) if last is None else last.torque
+
+
+STOOD = 0.5  # s at rest before the plan begins, in which biases become known: robots stand longer
+
+
+class Imu(Estimator):
+    """Estimates by the sensors that a robot has, see `llsrbm.estimation` and `Instruments`.
+
+    The robot has stood for a while as the plan begins, or has moved before with biases known from
+    standing.
+    """
+
+    name = "imu"
+    summary = "estimated by inertial unit, joint encoders and feet, as on a robot"
+    noisy = False
+
+    def __init__(self, robot: Robot, tick: float, seed: int) -> None:
+        self._robot, self._tick = robot, tick
+        self._instruments = Instruments(robot, tick, seed)
+        self._estimator: StateEstimator | None = None
+
+    def estimate(
+        self, time: float, state: State, last: TickResult | None, standing: Feet
+    ) -> tuple[Array, Array, Array]:
+        if self._estimator is None:
+            self._estimator = self._stood(state, standing)
+        readings = self._instruments.read(time, state, last)
+        return *self._estimator.update(readings, standing), readings.torque
+
+    def _stood(self, state: State, standing: Feet) -> StateEstimator:
+        q, v = state
+        estimator, at_rest = StateEstimator(self._robot, q), np.zeros_like(v)
+        for k in range(-round(STOOD / self._tick), 0):
+            readings = self._instruments.read(k * self._tick, (q, at_rest))
+            estimator.update(readings, standing)
+        if v.any():
+            self._instruments.forget()
+            estimator.restart()
+        return estimator
+
+
+ESTIMATORS: dict[str, type[Estimator]] = {kind.name: kind for kind in (Truth, Drift, Imu)}
 
 
 def check_estimator(name: str) -> None:
@@ -141,21 +198,20 @@ class Sensors:
         self._scale = np.full(robot.model.nv, disturbance.joint_velocity_noise)
         self._scale[:6] = disturbance.base_velocity_noise
         check_estimator(scenario.estimator)
-        self._estimator = ESTIMATORS[scenario.estimator](tick, seed)
+        self._estimator = ESTIMATORS[scenario.estimator](robot, tick, seed)
         late = round(self._estimator.delay / tick)
         self._under_way: deque[tuple[Array, Array, Array]] = deque(maxlen=late + 1)
 
     def measure(
-        self, time: float, state: tuple[Array, Array], last: TickResult | None
+        self, time: float, state: State, last: TickResult | None, standing: Feet
     ) -> Measurement:
         """The measurement `time` s after the start; earlier than its delay, the first state.
 
-        `state`: true q (nq,) and v (nv,), Pinocchio's; `last`: of the tick that ended, None at
-        first.
+        `state`: true; `last`: of the tick that ended, None at first; `standing`: (L,) feet that the
+        controller believes to stand.
         """
-        q, v = state
-        v = v + self._scale * self._rng.standard_normal(len(v))
-        touching = last is None or bool(last.contact.any())
-        torque = np.zeros(len(v) - 6) if last is None else last.torque
-        self._under_way.append((*self._estimator.estimate(q, v, touching=touching), torque))
+        if self._estimator.noisy:
+            q, v = state
+            state = q, v + self._scale * self._rng.standard_normal(len(v))
+        self._under_way.append(self._estimator.estimate(time, state, last, standing))
         return Measurement(time, *self._under_way[0])

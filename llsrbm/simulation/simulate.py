@@ -23,6 +23,7 @@ from llsrbm.simulation.disturbance import Pushes, draw_disturbance
 from llsrbm.simulation.episode import Episode, Hook, Recorder
 from llsrbm.simulation.replanning import Replanning
 from llsrbm.simulation.sensors import Sensors
+from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import World
 
@@ -145,7 +146,7 @@ def simulate(
     duration = plan.duration + braking_time(plan) + STANDING
     tick = 1.0 / robot.file.control.rate
     pushes = Pushes(plan, scenario, duration)
-    world = World(robot, plan, scenario, disturbance, tick)
+    world = World(robot, surroundings(robot, plan, scenario), disturbance, tick)
     controller = WholeBodyController(robot, plan, scenario)
     recorder = Recorder(robot, disturbance.trunk_mass_factor)
     sensors = Sensors(robot, disturbance, scenario, tick)

@@ -8,30 +8,37 @@ from __future__ import annotations
 import logging
 from collections import deque
 from dataclasses import dataclass
+from typing import Protocol
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.request.scenario import Scenario
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader, Touch
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import surroundings
+from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
+FLAT = Surroundings(ground=0.0, blocks=())
 STEP = 5e-4  # s; steps are not longer. Impacts change by less than their scatter below it.
 
 
 def steps_in(tick: float) -> int:
     """Steps of the simulation in a control period, s."""
     return max(1, int(np.ceil(tick / STEP - 1e-9)))
+
+
+class JointLaw(Protocol):
+    """Torques that follow the joints from step to step, such as a `MotorCommand`."""
+
+    def torque(self, q: Array, dq: Array) -> Array:
+        """Torque (J,) Nm or N wanted at positions q (J,) and speeds dq (J,), called once a step."""
 
 
 class Diverged(Exception):
@@ -74,19 +81,23 @@ class TickResult:
 
 
 class Drives:
-    """J drives in the order of `robot.joint_names`."""
+    """J drives in the order of `robot.joint_names`.
+
+    `voltage`: share of the voltage for which the speed limits are stated; they fall with it.
+    """
 
     def __init__(self, robot: Robot, delay_ticks: int) -> None:
         self._robot = robot
         self._delay = delay_ticks
-        self._under_way: deque[Array] = deque()
+        self._under_way: deque[Array | JointLaw] = deque()
+        self.voltage = 1.0
 
     def reset(self) -> None:
-        """Forget the torques under way."""
+        """Forget the commands under way."""
         self._under_way.clear()
 
-    def arriving(self, command: Array) -> Array:
-        """(J,) Nm or N: the torque that arrives in the tick in which `command` is sent."""
+    def arriving(self, command: Array | JointLaw) -> Array | JointLaw:
+        """The command that arrives in the tick in which `command` is sent."""
         if not self._under_way:
             # Before the first tick nothing was sent; the robot was held as it is from then on.
             self._under_way.extend([command] * self._delay)
@@ -95,37 +106,30 @@ class Drives:
 
     def limited(self, torque: Array, speed: Array) -> tuple[Array, Array]:
         """Torque (J,) applied of one at a speed (J,), and the most there is in its direction."""
-        limit = torque_in_direction(self._robot, speed, torque)
+        limit = torque_in_direction(self._robot, speed / self.voltage, torque)
         return np.copysign(np.minimum(np.abs(torque), limit), torque), limit
 
 
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
-    Of a scenario the board matters. `tick`: control period, s; `joint_order`: (J,) where the joints
-    of MuJoCo's qpos are in `robot.joint_names`. Raises `InputError`: the board does not fit under
-    the planned feet; `RobotFileError`: the URDF cannot be simulated.
+    `tick`: control period, s; `drives`: between commands and joints; `joint_order`: (J,) where the
+    joints of MuJoCo's qpos are in `robot.joint_names`. Raises `RobotFileError`: the URDF cannot be
+    simulated.
     """
 
     def __init__(
-        self,
-        robot: Robot,
-        plan: Plan,
-        scenario: Scenario,
-        disturbance: Disturbance,
-        tick: float,
+        self, robot: Robot, surroundings: Surroundings, disturbance: Disturbance, tick: float
     ) -> None:
         self.tick = tick
         self._steps = steps_in(tick)
-        self.scene = build_scene(
-            robot, surroundings(robot, plan, scenario), disturbance, tick / self._steps
-        )
+        self.scene = build_scene(robot, surroundings, disturbance, tick / self._steps)
         self._model = self.scene.model
         self._data = mujoco.MjData(self._model)
         self._qpos, self._qvel, self._ctrl = self._data.qpos, self._data.qvel, self._data.ctrl
-        self._joints = self.scene.v_order[6:]
+        self._joints, self._angles = self.scene.v_order[6:], self.scene.q_order[7:]
         self.joint_order = np.argsort(self._joints)
-        self._drives = Drives(robot, disturbance.torque_delay_ticks)
+        self.drives = Drives(robot, disturbance.torque_delay_ticks)
         self._contacts = ContactReader(
             self._model, self._data, len(robot.legs), len(robot.corners), self._steps
         )
@@ -136,6 +140,11 @@ class World:
         self._conjugate = np.empty(4)
         self._ticks = 0
         self.reset(robot.posture, np.zeros(robot.model.nv))
+
+    @property
+    def mass(self) -> float:
+        """Total mass (kg) of the simulated robot."""
+        return float(self._model.body_subtreemass[self._model.jnt_bodyid[0]])
 
     @property
     def time(self) -> float:
@@ -160,7 +169,7 @@ class World:
         self._qvel[self.scene.v_order] = v
         # The base's velocity is in the world frame here, in the base's own there.
         mujoco.mju_rotVecQuat(self._qvel[:3], v[:3], self._qpos[3:7])
-        self._drives.reset()
+        self.drives.reset()
         self._ticks = 0
         self.scene.move_blocks(self._data, 0.0)
         mujoco.mj_forward(self._model, self._data)
@@ -179,14 +188,17 @@ class World:
         self._wrench[:3] += force
         self._wrench[3:] += moment
 
-    def advance(self, torque: Array) -> TickResult:
+    def advance(self, command: Array | JointLaw) -> TickResult:
         """Let a tick pass, with the wrenches that were pushed with since the last.
 
-        `torque`: (J,) Nm or N as commanded, in the order of `robot.joint_names`. Raises `Diverged`:
-        the tick is worth nothing, nor is the state until a `reset`.
+        `command`: torques (J,) Nm or N, in the order of `robot.joint_names`, or the law by which
+        they follow the joints. Raises `Diverged`: the tick is worth nothing, nor is the state until
+        a `reset`.
         """
         self.scene.move_blocks(self._data, self.time)
-        arriving = self._drives.arriving(np.array(torque, dtype=float))
+        if isinstance(command, np.ndarray):
+            command = np.array(command, dtype=float)
+        arriving = self.drives.arriving(command)
         others = mujoco.get_mju_user_warning()
         # By itself MuJoCo prints warnings and writes them to a file in the working directory.
         mujoco.set_mju_user_warning(_log.info)
@@ -216,11 +228,16 @@ class World:
             obstacle_contact=self._contacts.untouched_touched(),
         )
 
-    def _steps_with(self, arriving: Array) -> None:
-        limited, read = self._drives.limited, self._contacts.read
+    def _steps_with(self, arriving: Array | JointLaw) -> None:
+        limited, read = self.drives.limited, self._contacts.read
         model, data = self._model, self._data
         for step in range(self._steps):
-            applied, self._limit[step] = limited(arriving, self._qvel.take(self._joints))
+            speed = self._qvel.take(self._joints)
+            if isinstance(arriving, np.ndarray):
+                wanted = arriving
+            else:
+                wanted = arriving.torque(self._qpos.take(self._angles), speed)
+            applied, self._limit[step] = limited(wanted, speed)
             self._ctrl[:] = self._torque[step] = applied
             mujoco.mj_step(model, data)
             read(step)

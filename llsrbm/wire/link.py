@@ -3,13 +3,28 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 
 
+@dataclass(frozen=True)
+class Health:
+    """A robot's own account of itself: `voltage` of the battery, V; None: not on its wire."""
+
+    voltage: float | None
+    charge: float | None  # share, 0 to 1
+    hottest: float  # deg C, of the motors
+
+
 class Link(ABC):
-    """A connection to one robot, real or simulated."""
+    """A connection to one robot, real or simulated.
+
+    `health`: as of the last reading; None before the first, and of robots that do not tell.
+    """
+
+    health: Health | None = None
 
     @abstractmethod
     def send(self, command: MotorCommand) -> None:

@@ -30,7 +30,8 @@ from llsrbm.motion.trajectory import Trajectory
 from llsrbm.simulation.surroundings import Block, Surroundings
 
 Array = NDArray[np.float64]
-_Entry = tuple[int, Any, Any]  # ns, channel, message
+Entry = tuple[int, Any, Any]
+"""Ns, channel, message."""
 
 WORLD, PLAN, DESCRIPTION = "world", "plan", "llsrbm.json"
 _SHAFT, _HEAD = 0.016, 0.04  # m, diameters of an arrow
@@ -51,8 +52,8 @@ def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any])
             entries += _robot(context, plan, PLAN, PLANNED)
         if isinstance(trajectory, Rollout):
             series = reference_series(trajectory, motion)
-            entries += _numbers(context, "/reference", motion.time, series)
-        writer.write_metadata("llsrbm", _flat(about))
+            entries += numbers(context, "/reference", motion.time, series)
+        writer.write_metadata("llsrbm", flat(about))
         writer.attach(
             log_time=0,
             create_time=0,
@@ -64,12 +65,12 @@ def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any])
             channel.log(message, log_time=time)
 
 
-def _flat(data: dict[str, Any]) -> dict[str, str]:
+def flat(data: dict[str, Any]) -> dict[str, str]:
     """Texts as they are, everything else as JSON: a metadata record holds nothing but texts."""
     return {key: v if isinstance(v, str) else json.dumps(v) for key, v in data.items()}
 
 
-def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> Iterator[_Entry]:
+def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> Iterator[Entry]:
     """All topics of one robot, under `name`; drawn translucent in the colour `ghost`."""
     top = f"/{name}" if name else ""
     frames = f"{name}/" if name else ""
@@ -79,10 +80,10 @@ def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> It
     yield from _poses(context, motion, top)
     yield from _inertia(context, motion, top)
     yield from _forces(context, motion, top)
-    yield from _numbers(context, f"{top}/state", motion.time, motion.series)
+    yield from numbers(context, f"{top}/state", motion.time, motion.series)
 
 
-def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iterator[_Entry]:
+def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iterator[Entry]:
     paths = list(link_paths(motion.robot, motion.bodies.position, motion.bodies.quat))
 
     def message(k: int, time: int, *, moving: bool) -> fm.FrameTransforms:
@@ -109,7 +110,7 @@ def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iter
 
 def _meshes(
     context: Context, motion: Logged, top: str, frames: str, ghost: Rgb | None
-) -> Iterator[_Entry]:
+) -> Iterator[Entry]:
     channel = channels.SceneUpdateChannel(f"{top}/robot", context=context)
     entities = [
         fm.SceneEntity(
@@ -132,7 +133,7 @@ def _meshes(
     yield 0, channel, fm.SceneUpdate(entities=entities)
 
 
-def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
+def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
     channel = channels.JointStatesChannel(f"{top}/joint_states", context=context)
     # Held joints too, or a viewer would draw those of its own URDF at zero.
     order, whole = urdf_joints(motion.robot), motion.motion
@@ -147,7 +148,7 @@ def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[_Entry
         yield time, channel, fm.JointStates(timestamp=timestamp(time), joints=joints)
 
 
-def _poses(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
+def _poses(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
     whole = motion.motion
     base, com = (whole.base_position, whole.base_quat), (whole.com, motion.ellipsoid[1])
     for name, (position, quat) in {"base": base, "com": com}.items():
@@ -158,7 +159,7 @@ def _poses(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
             yield time, channel, message
 
 
-def _inertia(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
+def _inertia(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
     channel = channels.SceneUpdateChannel(f"{top}/inertia", context=context)
     axes, quat = motion.ellipsoid
     com, look = motion.motion.com, colour(COM, GHOST)
@@ -167,7 +168,7 @@ def _inertia(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
         yield time, channel, fm.SceneUpdate(entities=[_entity(time, "inertia", spheres=[solid])])
 
 
-def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
+def _forces(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
     pressed_at = motion.motion.pressed_at
     assert pressed_at is not None  # plans and rollouts have it
     channel = channels.SceneUpdateChannel(f"{top}/contact_forces", context=context)
@@ -189,7 +190,7 @@ def _forces(context: Context, motion: Logged, top: str) -> Iterator[_Entry]:
         yield time, channel, fm.SceneUpdate(entities=[_entity(time, "forces", arrows=drawn)])
 
 
-def _scene(context: Context, around: Surroundings) -> Iterator[_Entry]:
+def _scene(context: Context, around: Surroundings) -> Iterator[Entry]:
     """A message at the beginning and one whenever something comes or goes, each with everything:
     who jumps to an instant in a viewer gets the last one before it, no more.
     """
@@ -223,10 +224,10 @@ def _entity(time: int, name: str, **shapes: Any) -> fm.SceneEntity:
     return fm.SceneEntity(timestamp=timestamp(time), frame_id=WORLD, id=name, **shapes)
 
 
-def _numbers(
+def numbers(
     context: Context, topic: str, times: Array, series: Sequence[Series]
-) -> Iterator[_Entry]:
-    """Named numbers as JSON, which plotters address as com.x."""
+) -> Iterator[Entry]:
+    """Messages of named numbers as JSON, which plotters address as com.x; `times`: (K,) s."""
     schema = {"title": topic.strip("/"), **_schema(_tree((each.name, each) for each in series))}
     schema["properties"]["time"] = {"type": "number", "description": "s"}
     channel = Channel(topic, schema=schema, message_encoding="json", context=context)

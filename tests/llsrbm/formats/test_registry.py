@@ -11,6 +11,7 @@ from llsrbm.formats import FORMATS, Options, export, file_name, find
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import load
 from llsrbm.robots import load_robot
+from llsrbm.robots.schema import robot_files
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -19,29 +20,49 @@ QUICK = {"fps": 10.0, "size": (64, 48)}
 PICTURES = ("mp4", "gif", "html")
 
 
-@pytest.fixture(scope="module")
-def plan():
+OF_OTHERS = {"odri-csv": "solo12"}  # formats that are not for Go2
+
+
+def made_by_hand(name):
     """A real robot's joints with a motion made by hand, which no formula of a format minds."""
-    robot = load_robot("go2")
+    robot = load_robot(name)
     made = synthetic_plan(intervals=4)
     legs = tuple(robot.file.legs)
     return replace(
         made,
-        jump=replace(made.jump, robot="go2"),
+        jump=replace(made.jump, robot=name),
         robot_parameters=robot.parameters(),
         joint_names=tuple(n for leg in legs for n in robot.joint_names if n.startswith(leg)),
     )
 
 
-@pytest.fixture(scope="module")
-def rollout(plan):
+def simulated(plan):
     made = synthetic_rollout(plan)
     return resample(made, made.time[::20])
 
 
+@pytest.fixture(scope="module")
+def solo12(tmp_path_factory):
+    """Its file, with legs that are called as their joints."""
+    path = tmp_path_factory.mktemp("robots") / "solo12.toml"
+    text = robot_files()["solo12"].read_text()
+    path.write_text(text.replace("RL = ", "HL = ").replace("RR = ", "HR = "))
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def go2s_rollout():
+    return simulated(made_by_hand("go2"))
+
+
+@pytest.fixture
+def plan(format_, solo12):
+    return made_by_hand(solo12 if format_.name in OF_OTHERS else "go2")
+
+
 @pytest.fixture(params=["plan", "rollout"])
-def trajectory(request):
-    return request.getfixturevalue(request.param)
+def trajectory(plan, request):
+    return plan if request.param == "plan" else simulated(plan)
 
 
 @pytest.fixture(params=FORMATS)
@@ -131,9 +152,11 @@ def test_robots_that_are_gone(format_, plan, tmp_path):
         assert not list(tmp_path.iterdir())
 
 
-def test_all_at_once_in_a_zip(rollout, tmp_path):
+def test_all_at_once_in_a_zip(go2s_rollout, tmp_path):
+    rollout = go2s_rollout
     there = [each for each in FORMATS.values() if each.extra is None or not each.extra.missing]
-    formats = [each for each in there if each.name not in ("mp4", "gif")]  # slow, and like html
+    left = ("mp4", "gif", *OF_OTHERS)  # films are slow, and like html
+    formats = [each for each in there if each.name not in left]
     names = [each.name for each in formats]
     path = tmp_path / file_name(rollout, names)
     export(rollout, path, format=names, **quick(*formats))
@@ -150,7 +173,13 @@ def test_all_at_once_in_a_zip(rollout, tmp_path):
 
 
 def test_file_names(plan, format_):
-    if format_.suffix:
-        assert file_name(plan, [format_.name]) == f"go2-llsrbm-plus-plan{format_.suffix}"
-    else:
-        assert file_name(plan, [format_.name]) == "go2-llsrbm-plus-plan.zip"
+    robot = OF_OTHERS.get(format_.name, "go2")
+    suffix = format_.suffix or ".zip"
+    assert file_name(plan, [format_.name]) == f"{robot}-llsrbm-plus-plan{suffix}"
+
+
+@pytest.mark.parametrize("name", OF_OTHERS)
+def test_formats_of_other_robots(name, tmp_path):
+    with pytest.raises(InputError, match="robot go2 has messages of"):
+        export(made_by_hand("go2"), tmp_path / "x", format=name)
+    assert not list(tmp_path.iterdir())

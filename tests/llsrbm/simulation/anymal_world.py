@@ -7,6 +7,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
+from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import World
 from tests.app.synthetic_plan import synthetic_plan
 
@@ -18,7 +19,9 @@ PLAN = synthetic_plan(Jump())
 
 
 def world_of(plan=PLAN, scenario=None, **disturbance):
-    return World(ANYMAL, plan, scenario or Scenario(), Disturbance(**disturbance), TICK)
+    return World(
+        ANYMAL, surroundings(ANYMAL, plan, scenario or Scenario()), Disturbance(**disturbance), TICK
+    )
 
 
 def in_the_air(height=3.0):

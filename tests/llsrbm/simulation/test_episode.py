@@ -10,6 +10,7 @@ from llsrbm.robots import load_robot
 from llsrbm.simulation.episode import Episode, Hook, Recorder
 from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.simulate import standing_state
+from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import World
 from tests.llsrbm.planning.solved import solved
 
@@ -20,7 +21,7 @@ TICK = 1 / 400
 def episode(*hooks, **scenario):
     plan, scenario = solved("llsrbm-plus", "twist").plan, Scenario(**scenario)
     disturbance = Disturbance(base_velocity_noise=0.01)
-    world = World(ROBOT, plan, scenario, disturbance, TICK)
+    world = World(ROBOT, surroundings(ROBOT, plan, scenario), disturbance, TICK)
     world.reset(standing_state(ROBOT, plan), np.zeros(18))
     recorder = Recorder(ROBOT, 1.0)
     controller = WholeBodyController(ROBOT, plan, scenario)

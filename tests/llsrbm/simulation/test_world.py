@@ -12,6 +12,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import standing_state
+from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import Diverged, World
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.anymal_world import (
@@ -85,7 +86,12 @@ class Pushed:
 
     def __init__(self, robot, plan, factor, seed, ticks, stiffness=300.0, damping=8.0):
         rng = np.random.default_rng(seed)
-        world = World(robot, plan, Scenario(), Disturbance(trunk_mass_factor=factor), TICK)
+        world = World(
+            robot,
+            surroundings(robot, plan, Scenario()),
+            Disturbance(trunk_mass_factor=factor),
+            TICK,
+        )
         model = with_trunk(robot, factor)
         self._model, self._data, self._robot = model, model.createData(), robot
         q = standing_state(robot, plan)
@@ -181,7 +187,12 @@ def test_an_impulse_on_the_trunk_changes_the_momenta_by_itself(name, factor):
     q[3:7] = pin.Quaternion(pin.rpy.rpyToMatrix(0.3, -0.5, 1.0)).coeffs()
     changed = []
     for pushed in (False, True):
-        world = World(robot, plan, Scenario(), Disturbance(trunk_mass_factor=factor), TICK)
+        world = World(
+            robot,
+            surroundings(robot, plan, Scenario()),
+            Disturbance(trunk_mass_factor=factor),
+            TICK,
+        )
         world.reset(q, np.zeros(robot.model.nv))
         _, _, com, trunk = momenta(robot, factor, world)
         if pushed:  # in two parts: wrenches add up

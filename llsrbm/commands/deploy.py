@@ -1,0 +1,206 @@
+"""`llsrbm deploy`."""
+
+from __future__ import annotations
+
+import gc
+import signal
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from llsrbm.commands import console, options
+from llsrbm.errors import InputError, require
+
+if TYPE_CHECKING:
+    from llsrbm.motion.plan import Plan
+    from llsrbm.robots import Robot
+    from llsrbm.wire.player import Ended, Player, Tier
+    from llsrbm.wire.player.states import State
+
+_SHOWN = 3  # first commands of a dry run
+
+
+def deploy_command(
+    file: Annotated[Path, typer.Argument(metavar="PLAN.npz", help="A plan that converged.")],
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            metavar="R", help="Name or file of the robot on the wire [default: the plan's]."
+        ),
+    ] = None,
+    interface: Annotated[
+        str, typer.Option(metavar="IF", help="Network interface; lo: `llsrbm robot-sim`.")
+    ] = "lo",
+    domain: Annotated[
+        int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")
+    ] = None,
+    tier: Annotated[
+        str, typer.Option(help="closed-loop (controller and estimator) or table (gains alone).")
+    ] = "closed-loop",
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print states and first commands; send nothing.")
+    ] = False,
+    log: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE", help="Log of the play, MCAP [default: PLAN-<date>-<time>.mcap, here]."
+        ),
+    ] = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """Play a plan on a robot over its own wire: check, ramp, stand, jump, damp.
+
+    Nobody here has run this on a robot; `llsrbm robot-sim` is one to try it on. A plan whose
+    certificate does not hold is refused. Ctrl-C damps the robot; so does whatever goes wrong: tilt,
+    a joint astray, an idle drive, silence, late readings, missed deadlines. The exit status is 1 if
+    the plan was not played to its end.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        plan, loaded = _plan_and_robot(file, robot)
+        from llsrbm.wire.player.requirements import check_plan
+        from llsrbm.wire.player.tiers import tier_called
+
+        chosen = tier_called(tier)
+        if not dry_run:
+            require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
+            require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
+            log = _log_file(log, file)
+        check_plan(plan, loaded, chosen)
+        if dry_run:
+            result, lines = _dry_run(plan, loaded, chosen)
+            if as_json:
+                console.print_result(result, {}, stdout, as_json=True)
+            else:
+                print("\n".join(lines), file=stdout)
+            return console.DONE
+        ended, player = _play(plan, loaded, chosen, interface, domain, quiet=as_json)
+        assert log is not None
+        result = _result(ended, player, chosen, log)
+        _write_log(player, log, result)
+        lines_of = {} if as_json else {"log": str(log), "computing": _computing(result)}
+        console.print_result(result, lines_of, stdout, as_json=as_json)
+        if ended.reason:
+            console.print_error(ended.line)
+            return console.FAILED
+        if not as_json:
+            print(f"{'ended':<10}{ended.line}", file=stdout)
+    return console.DONE
+
+
+def _plan_and_robot(file: Path, robot: str | None) -> tuple[Plan, Robot]:
+    import llsrbm
+    from llsrbm.robots import load_robot
+
+    plan = llsrbm.load(file)
+    if not isinstance(plan, llsrbm.Plan):
+        raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    return plan, load_robot(plan.jump.robot if robot is None else robot)
+
+
+def _log_file(log: Path | None, file: Path) -> Path:
+    """Where the log goes; `InputError`, before anything moves: there it cannot."""
+    if log is None:
+        log = Path(f"{file.stem}-{time.strftime('%Y%m%d-%H%M%S')}.mcap")
+    if log.suffix != ".mcap" or not log.parent.is_dir():
+        raise InputError(f"--log {log}: expected a name that ends in .mcap, in a folder that is")
+    return log
+
+
+def _play(
+    plan: Plan,
+    robot: Robot,
+    tier: type[Tier],
+    interface: str,
+    domain: int | None,
+    *,
+    quiet: bool,
+) -> tuple[Ended, Player]:
+    from threadpoolctl import threadpool_limits
+
+    from llsrbm.wire.dds import DdsLink
+    from llsrbm.wire.player.player import Player
+    from llsrbm.wire.player.rehearsal import rehearse
+
+    def announce(state: State) -> None:
+        if not quiet:
+            print(f"{state.name:<10}{state.says}", flush=True)
+
+    with threadpool_limits(1):  # one program a tick is too small to share
+        rehearse(tier.name, plan, robot)
+        link = DdsLink(robot, interface, domain)
+        player = Player(tier(plan, robot), link, time.monotonic, announce)
+        handlers = {
+            number: signal.signal(number, lambda *_, reason=reason: player.stop(reason))
+            for number, reason in ((signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "it was told to"))
+        }
+        gc.collect()
+        gc.disable()  # a collection takes several periods
+        try:
+            return player.run(), player
+        finally:
+            gc.enable()
+            link.close()
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+
+
+def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[str, Any]:
+    import numpy as np
+
+    computing = player.log.arrays()["computing"] if len(player.log) else np.zeros(1)
+    return {
+        "played": not ended.reason,
+        "reason": ended.reason,
+        "stopped_in": ended.state if ended.reason else None,
+        "tier": tier.name,
+        "ticks": len(player.log),
+        "computing_p50_s": round(float(np.median(computing)), 6),
+        "computing_p99_s": round(float(np.percentile(computing, 99)), 6),
+        "log": str(log),
+    }
+
+
+def _write_log(player: Player, path: Path, about: dict[str, Any]) -> None:
+    from llsrbm.files.atomic import staged
+    from llsrbm.wire.player.mcap import write
+
+    if len(player.log):
+        with staged(path) as draft:
+            write(player.log, draft, about)
+
+
+def _computing(result: dict[str, Any]) -> str:
+    return (
+        f"{1e3 * result['computing_p50_s']:.2f} ms from a reading to its command (p99 "
+        f"{1e3 * result['computing_p99_s']:.2f} ms), {result['ticks']} ticks"
+    )
+
+
+def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any], list[str]]:
+    """States and first commands, as data and as lines."""
+    from llsrbm.wire.player.rehearsal import first_commands
+    from llsrbm.wire.player.states import outline
+
+    made = tier(plan, robot)
+    states = outline(made, robot.posture[7:])
+    commands = first_commands(tier.name, plan, robot, _SHOWN)
+    lines = [f"{state:<8}{duration:5.2f} s  {words}" for state, duration, words in states]
+    lines += ["", f"First commands of the jump, tier {tier.name}; of each joint q rad, dq rad/s, "]
+    lines[-1] += "tau Nm, kp, kd:"
+    for at, command in commands:
+        lines.append(f"{1e3 * at:.0f} ms")
+        for k, joint in enumerate(robot.joint_names):
+            numbers = (command.q[k], command.dq[k], command.tau[k], command.kp[k], command.kd[k])
+            lines.append(f"  {joint:<24}" + "".join(f"{number:10.3f}" for number in numbers))
+    lines += ["", "Nothing was sent."]
+    return {
+        "tier": tier.name,
+        "states": [{"name": name, "duration_s": duration} for name, duration, _ in states],
+        "joints": list(robot.joint_names),
+        "commands": [
+            {"time_s": at, **{name: values.tolist() for name, values in vars(command).items()}}
+            for at, command in commands
+        ],
+    }, lines

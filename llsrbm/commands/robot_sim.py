@@ -1,0 +1,177 @@
+"""`llsrbm robot-sim`."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from llsrbm.commands import console, options
+from llsrbm.errors import Error, InputError, require
+
+if TYPE_CHECKING:
+    from llsrbm.robots import Robot
+    from llsrbm.simulation.contacts import Touch
+    from llsrbm.simulation.surroundings import Surroundings
+    from llsrbm.wire.real_time import Punctuality
+    from llsrbm.wire.simulated_robot import SimulatedRobot, TrueTick
+
+
+def robot_sim_command(
+    robot: options.Robot = "go2",
+    interface: Annotated[
+        str, typer.Option(metavar="IF", help="Network interface; lo: this machine alone.")
+    ] = "lo",
+    domain: Annotated[
+        int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")
+    ] = None,
+    plan: Annotated[
+        Path | None,
+        typer.Option(metavar="PLAN.npz", help="Stand among the boxes of this plan's jump."),
+    ] = None,
+    delay_ms: Annotated[
+        float, typer.Option(metavar="MS", help="From a command until motors follow it.")
+    ] = 2.0,
+    delay_spread_ms: Annotated[
+        float, typer.Option(metavar="MS", help="More or less, drawn for each command.")
+    ] = 1.0,
+    lost: Annotated[
+        float, typer.Option(metavar="SHARE", help="Of the messages, in both directions.")
+    ] = 0.0,
+    late: Annotated[
+        float, typer.Option(metavar="SHARE", help="Of the messages that come late.")
+    ] = 0.0,
+    late_ms: Annotated[float, typer.Option(metavar="MS", help="By how much these do.")] = 20.0,
+    battery: Annotated[
+        bool, typer.Option("--battery/--no-battery", help="Voltage falls with power.")
+    ] = True,
+    seed: Annotated[int, typer.Option(help="Draws delays, losses and the sensors' errors.")] = 0,
+    duration: Annotated[
+        float | None, typer.Option(metavar="S", help="[default: until Ctrl-C].")
+    ] = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """A robot in MuJoCo behind the topics of the real one, in real time, without a window.
+
+    It stands until the first command arrives, keeps each until the next, and brakes after 50 ms
+    without one. Motors apply tau + kp (q_d - q) + kd (dq_d - dq) within their limits; sensors err.
+    The exit status is 1 if the simulation diverges.
+    """
+    require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
+    if duration is not None and not duration > 0:
+        raise InputError(f"duration: expected more than 0 s, got {duration:g}")
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.robots import load_robot
+        from llsrbm.wire.channel import Faults
+        from llsrbm.wire.dds import DdsRobot, default_domain
+        from llsrbm.wire.motor_map import MotorMap
+        from llsrbm.wire.simulated_robot import Conditions, SimulatedRobot
+
+        loaded = load_robot(robot)
+        faults = Faults(lost, late, late_ms / 1000)
+        conditions = Conditions(delay_ms / 1000, delay_spread_ms / 1000, faults, battery)
+        end = DdsRobot(loaded, interface, domain)
+        simulated = SimulatedRobot(
+            loaded,
+            conditions,
+            seed,
+            surroundings=_surroundings(plan, loaded),
+            foot_force=MotorMap.of(loaded).family == "unitree_go",
+        )
+        where = default_domain(interface) if domain is None else domain
+        if not as_json:
+            print(f"{loaded.file.title} stands on {interface}, domain {where}.", flush=True)
+        touches: dict[Touch, float] = {}
+
+        def note(tick: TrueTick) -> None:
+            for touch, time in tick.result.touches:
+                touches.setdefault(touch, time)
+
+        simulated.observers.append(note)
+        kept = _run(simulated, end, duration)
+        result = _result(simulated, kept, end.refused, touches)
+        console.print_result(result, _in_words(result), stdout, as_json=as_json)
+    return console.DONE
+
+
+def _run(simulated: SimulatedRobot, end: Any, duration: float | None) -> Punctuality:
+    """Run until the time is over or a signal comes. Raises `Error`: the simulation diverged."""
+    from llsrbm.simulation.world import Diverged
+    from llsrbm.wire.real_time import run
+
+    stop = threading.Event()
+    handlers = {
+        number: signal.signal(number, lambda *_: stop.set())
+        for number in (signal.SIGINT, signal.SIGTERM)
+    }
+    try:
+        return run(simulated, end, float("inf") if duration is None else duration, stop.is_set)
+    except Diverged as error:
+        raise Error(str(error)) from error
+    finally:
+        end.close()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+
+
+def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
+    """Boxes of a plan's jump; flat ground without one."""
+    from llsrbm.simulation.surroundings import surroundings
+    from llsrbm.simulation.world import FLAT
+
+    if file is None:
+        return FLAT
+    import llsrbm
+    from llsrbm.request.scenario import Scenario
+
+    plan = llsrbm.load(file)
+    if not isinstance(plan, llsrbm.Plan):
+        raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    around = surroundings(robot, plan, Scenario())
+    if around.in_mid_flight:
+        raise InputError(
+            f"{file}: {around.in_mid_flight} expected a jump whose boxes stand from the start"
+        )
+    return around
+
+
+def _result(
+    robot: SimulatedRobot, kept: Punctuality, refused: int, touches: dict[Touch, float]
+) -> dict[str, Any]:
+    import numpy as np
+
+    computing = np.array(kept.computing or [0.0])
+    return {
+        "time_s": round(robot.time, 3),
+        "ticks": kept.ticks,
+        "late_ticks": kept.late,
+        "worst_late_s": round(kept.worst, 6),
+        "slipped_s": round(kept.slipped, 6),
+        "tick_p50_s": round(float(np.median(computing)), 6),
+        "tick_p99_s": round(float(np.percentile(computing, 99)), 6),
+        "commands": robot.heard,
+        "wrong_checksums": refused,
+        "braking": robot.braking,
+        "touched": "; ".join(
+            f"{touch.link} touched {touch.other} at {time:.2f} s" for touch, time in touches.items()
+        ),
+    }
+
+
+def _in_words(result: dict[str, Any]) -> dict[str, str]:
+    late = f"{result['late_ticks']} of {result['ticks']} ticks began late"
+    if result["late_ticks"]:
+        late += f", at worst by {1e3 * result['worst_late_s']:.1f} ms"
+    if result["slipped_s"]:
+        late += f"; the robot's clock slipped by {result['slipped_s']:.2f} s"
+    wrong = result["wrong_checksums"]
+    return {
+        "time": f"{result['time_s']:.2f} s, {late}",
+        "tick": f"{1e3 * result['tick_p50_s']:.2f} ms (p99 {1e3 * result['tick_p99_s']:.2f} ms)",
+        "commands": f"{result['commands']}, {wrong} with a wrong checksum"
+        + (", then silence: it brakes" if result["braking"] else ""),
+        "touched": result["touched"] or "nothing but feet touched anything",
+    }

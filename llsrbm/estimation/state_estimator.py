@@ -1,0 +1,163 @@
+"""`StateEstimator`: a robot's base from its inertial unit, its joints and the feet that stand.
+
+    estimator = StateEstimator(robot, q0)           # q0: where it stands, by definition
+    q, v = estimator.update(readings, standing)     # each tick; both in Pinocchio's conventions
+
+`standing`, (L,) bool in the order of `robot.legs`, are the feet that the controller believes to
+stand: `WholeBodyController.contacts.standing` after its last step, all of them before its first. A
+foot that turns out to move all the same is planted anew. Of `Readings` the time, quaternion (first
+one only), gyroscope, accelerometer and joints are used.
+
+In flight, `standing` nowhere, gyroscope and accelerometer are integrated. An accelerometer feels
+nothing in free fall, and a gyroscope's bias is known from standing, so a flight of half a second
+costs little; its length is in the tables of `benchmarks.estimator`. The ground of a landing may be
+anywhere, so what a flight adds to the height's error stays, as does any of place and yaw.
+
+Joints are handed on as they were measured. The angular velocity is the gyroscope's, which is a mean
+over the tick that ended.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from llsrbm.control.readings import Readings
+from llsrbm.estimation.foot_kinematics import FootKinematics
+from llsrbm.estimation.invariant_filter import BA, BG, FIRST_FOOT, P, R, V, InvariantFilter
+from llsrbm.mechanics import cross, yaw
+from llsrbm.robots import Robot
+
+Array = NDArray[np.float64]
+Feet = NDArray[np.bool_]
+
+# Standard deviations of what the filter believes; it is told nothing of the simulation.
+_TILT, _VELOCITY = 0.01, 0.05  # rad, m/s: as it begins
+_BIASES = 0.005, 0.05  # rad/s, m/s2, likewise
+_GYRO, _ACCELERATION = 5e-4, 0.01  # rad/s, m/s2 over Hz^0.5: a unit's, and what shakes it
+_GYRO_SCALE = 0.003 * 0.3  # share of the rate, s^0.5: a scale that is wrong for a flight's length
+_WALKS = 1e-4, 1e-3  # rad/s^1.5, m/s^2.5, of the biases
+_CREEP = 0.005  # m/s^0.5: of a foot that stands: ground and rubber that give way
+_PLACE = 0.001  # m: of a foot in the base, by encoders and their zeros
+_MOVED = 30.0  # squared standard deviations by which a foot that stands does not err
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+class StateEstimator:
+    """Estimates q (nq,) and v (nv,) of a robot that stands in `q0` (nq,) at first.
+
+    The world is where `q0` has the robot: its heading and the place of its feet. The tilt at first
+    is the inertial unit's.
+    """
+
+    def __init__(self, robot: Robot, q0: Array) -> None:
+        self.feet = FootKinematics(robot)
+        self.filter = InvariantFilter(len(robot.legs))
+        self.feet.update(q0[7:], np.zeros(len(q0) - 7))
+        self._quat_start = q0[[6, 3, 4, 5]]
+        R_start = pin.Quaternion(q0[3:7]).toRotationMatrix()
+        self._feet_start = q0[:3] + self.feet.position @ R_start.T
+        self._q = q0.copy()
+        self._stood: Feet = np.zeros(len(robot.legs), dtype=bool)
+        self._time: float | None = None
+        self._noise = np.zeros(len(self.filter.covariance))
+        self._biases_known = False
+
+    def restart(self) -> None:
+        """The next readings are of `q0` again; biases stay as they are known."""
+        self._time = None
+
+    def update(self, readings: Readings, standing: Feet) -> tuple[Array, Array]:
+        """The estimate at the time of the readings; `standing`: (L,), see above."""
+        self.feet.update(readings.q, readings.dq)
+        if self._time is None:
+            self._begin(readings, standing)
+        else:
+            self._go_on(readings, readings.time - self._time, standing)
+        self._time, self._stood = readings.time, standing.copy()
+        return self._estimate(readings)
+
+    def _begin(self, readings: Readings, standing: Feet) -> None:
+        belief, feet = self.filter, self.feet
+        w, x, y, z = readings.quat
+        unit = pin.Quaternion(w, x, y, z).toRotationMatrix()
+        wanted, has = yaw(np.array([self._quat_start, readings.quat]))
+        belief.R_world_base = attitude = pin.utils.rotate("z", wanted - has) @ unit
+        places = feet.position @ attitude.T
+        stands = standing if standing.any() else np.ones(len(standing), dtype=bool)
+        belief.position = (self._feet_start - places)[stands].mean(axis=0)
+        rate = readings.gyro - belief.gyro_bias
+        moving = self._rolling(rate) - self._swept(rate) @ attitude.T
+        belief.velocity = moving[stands].mean(axis=0)
+        variances = np.zeros(len(self._noise))
+        variances[R], variances[V] = [_TILT**2, _TILT**2, 0.0], _VELOCITY**2
+        if self._biases_known:
+            biases = belief.covariance[BG.start : BA.stop, BG.start : BA.stop].copy()
+        else:
+            biases = np.diag(np.repeat(np.square(_BIASES), 3))
+        belief.covariance = np.diag(variances)
+        belief.covariance[BG.start : BA.stop, BG.start : BA.stop] = biases
+        self._biases_known = True
+        for foot in np.flatnonzero(standing):
+            belief.plant(foot, feet.position[foot], _PLACE**2)
+
+    def _go_on(self, readings: Readings, dt: float, standing: Feet) -> None:
+        belief, feet = self.filter, self.feet
+        rate = readings.gyro - belief.gyro_bias
+        belief.propagate(
+            dt,
+            readings.gyro,
+            readings.acceleration,
+            self._rolling(rate),
+            self._noise_of(rate, standing),
+        )
+        for foot in np.flatnonzero(self._stood & ~standing):
+            belief.lift(foot)
+        for foot in np.flatnonzero(standing & ~self._stood):
+            belief.plant(foot, feet.position[foot], _PLACE**2)
+        known = standing & self._stood
+        if not known.any():
+            return
+        innovation = belief.innovation(feet.position)
+        moved = known & (belief.surprise(innovation, _PLACE**2) > _MOVED)
+        belief.correct(known & ~moved, innovation, _PLACE**2)
+        for foot in np.flatnonzero(moved):
+            belief.plant(foot, feet.position[foot], _PLACE**2)
+
+    def _noise_of(self, rate: Array, standing: Feet) -> Array:
+        """(n,) variances a second: see `InvariantFilter.propagate`."""
+        noise, feet = self._noise, self.feet
+        noise[R] = _GYRO**2 + _GYRO_SCALE**2 * rate.dot(rate)
+        noise[V] = _ACCELERATION**2
+        noise[BG], noise[BA] = np.square(_WALKS)
+        creep = np.full(len(standing), _CREEP**2)
+        noise[FIRST_FOOT:] = np.where(standing, creep, 0.0).repeat(3)
+        return noise
+
+    def _swept(self, rate: Array) -> Array:
+        """(L, 3) m/s, base frame: the feet's middles by joints and by the base's turning."""
+        return self.feet.velocity + cross(rate[None], self.feet.position)
+
+    def _rolling(self, rate: Array) -> Array:
+        """(L, 3) m/s, world frame: of the middles of balls that roll."""
+        if self.feet.half_length > 0:
+            return np.zeros_like(self.feet.position)
+        turning = (self.feet.angular_velocity + rate) @ self.filter.R_world_base.T
+        return cross(turning, self.feet.radius * _UP[None])
+
+    def _estimate(self, readings: Readings) -> tuple[Array, Array]:
+        belief = self.filter
+        quat = pin.Quaternion(belief.R_world_base).normalized().coeffs()
+        q = np.concatenate(
+            [belief.position, quat if quat @ self._q[3:7] >= 0 else -quat, readings.q]
+        )
+        v = np.concatenate(
+            [
+                belief.R_world_base.T @ belief.velocity,
+                readings.gyro - belief.gyro_bias,
+                readings.dq,
+            ]
+        )
+        self._q = q
+        return q, v

@@ -1,0 +1,11 @@
+"""Files for a robot's own low-level interface, and for those who play or learn from such files."""
+
+from __future__ import annotations
+
+from llsrbm.formats.wire.lowcmd import LOWCMD
+from llsrbm.formats.wire.odri_csv import ODRI_CSV
+from llsrbm.formats.wire.opt_mimic_csv import OPT_MIMIC_CSV
+from llsrbm.formats.wire.quad_sdk_csv import QUAD_SDK_CSV
+from llsrbm.formats.wire.ros2 import ROS2_BAG
+
+__all__ = ["LOWCMD", "ODRI_CSV", "OPT_MIMIC_CSV", "QUAD_SDK_CSV", "ROS2_BAG"]

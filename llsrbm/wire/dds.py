@@ -1,0 +1,256 @@
+"""A robot's topics over DDS (Eclipse Cyclone DDS): the player's end, and a simulated robot's.
+
+Types are made from the layouts, which also serialise the samples in the package's place.
+"""
+
+from __future__ import annotations
+
+import socket
+from collections import deque
+from functools import cache
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from cyclonedds.core import (
+    DDSException,
+    InstanceState,
+    ReadCondition,
+    SampleState,
+    ViewState,
+    WaitSet,
+)
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import annotations as annotate
+from cyclonedds.idl import make_idl_struct, types
+from cyclonedds.pub import DataWriter
+from cyclonedds.qos import Policy, Qos
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+from llsrbm.control.motor_command import MotorCommand
+from llsrbm.control.readings import Readings
+from llsrbm.errors import Error, InputError
+from llsrbm.robots import Robot
+from llsrbm.wire.layout import Layout, Record
+from llsrbm.wire.link import Link
+from llsrbm.wire.unitree import UnitreeMessages
+from llsrbm.wire.unitree_layouts import COMMAND_TOPIC, STATE_TOPIC, STRUCTURES
+
+LOOPBACK = "lo"
+ROBOT_DOMAIN, SIMULATOR_DOMAIN = 0, 1  # of the maker's robots, and of its simulator
+# Samples that a reader keeps until they are taken, a second's: one that keeps the last alone and is
+# late now and then loses 4 %.
+_KEPT = 500
+_TYPES: dict[str, Any] = {
+    "u1": types.uint8,
+    "u2": types.uint16,
+    "u4": types.uint32,
+    "i2": types.int16,
+    "i4": types.int32,
+    "f4": types.float32,
+}
+_array: Any = types.array
+_CDR = Policy.DataRepresentation(use_cdrv0_representation=True)  # version 1, as `Layout` has it
+
+
+@cache
+def sample_type(layout: Layout) -> Any:
+    """The package's type of a layout: the names, types and order that DDS compares.
+
+    Its samples hold a record; the layout takes the place of the package's own serialiser.
+    """
+    made = _structure(layout.type_name, layout.dtype)
+
+    def keep(sample: Any, record: Record) -> None:
+        sample.record = record
+
+    def serialize(sample: Any, **_: Any) -> bytes:
+        return layout.to_wire(sample.record)
+
+    def deserialize(of: type[Any], /, data: bytes, **_: Any) -> Any:
+        return of(layout.from_wire(data))
+
+    def no_key(of: type[Any], /, data: bytes, **_: Any) -> None:
+        """Of the sample that marks a writer's end: these types have no key."""
+
+    made.__init__, made.serialize, made.deserialize = keep, serialize, classmethod(deserialize)
+    made.deserialize_key = classmethod(no_key)
+    return made
+
+
+def _structure(type_name: str, dtype: np.dtype[Any]) -> Any:
+    package, _, name = type_name.rpartition(".")
+    fields: dict[str, Any] = {}
+    for field in dtype.names or ():
+        one = dtype[field]
+        shape = one.subdtype[1][0] if one.subdtype else 0
+        one = one.subdtype[0] if one.subdtype else one
+        if one.fields is None:
+            kind = _TYPES[one.str[1:]]
+        else:
+            kind = _structure(f"{package}.{STRUCTURES[field]}", one)
+        fields[field] = _array[kind, shape] if shape else kind
+    made: Any = make_idl_struct(name, type_name, fields)
+    annotate.final(made)
+    annotate.autoid("sequential")(made)
+    return made
+
+
+def default_domain(interface: str) -> int:
+    """The domain where one expects a robot on an interface: on `LOOPBACK` there are simulators."""
+    return SIMULATOR_DOMAIN if interface == LOOPBACK else ROBOT_DOMAIN
+
+
+# Domains live as long as the process: each can be configured once in it.
+_domains: dict[int, tuple[str, Domain]] = {}
+
+
+def _participant(interface: str, domain: int) -> DomainParticipant:
+    """A member of a domain on one network interface.
+
+    Raises `InputError`: there is no such interface, or the process uses another one.
+    """
+    names = [name for _, name in socket.if_nameindex()]
+    if interface not in names:
+        raise InputError(f'interface: expected one of {", ".join(names)}, got "{interface}"')
+    if not 0 <= domain <= 230:
+        raise InputError(f"domain: expected 0 to 230, got {domain}")
+    if domain not in _domains:
+        _domains[domain] = interface, _configured(interface, domain)
+    known, _ = _domains[domain]
+    if known != interface:
+        raise InputError(f"interface: domain {domain} is on {known} in this process already")
+    return DomainParticipant(domain)
+
+
+def _configured(interface: str, domain: int) -> Domain:
+    """The domain on that interface, by the package's defaults as the maker's own programs have it.
+
+    On the loopback other processes are looked for port by port, too: it may have no multicast.
+    """
+    general = f"<Interfaces><NetworkInterface name={quoteattr(interface)}/></Interfaces>"
+    discovery = ""
+    if interface == LOOPBACK:
+        general += "<AllowMulticast>spdp</AllowMulticast>"  # to be found by, and for nothing else
+        discovery = (
+            "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+            '<Peers><Peer Address="127.0.0.1"/></Peers></Discovery>'
+        )
+    inside = f"<General>{general}</General>{discovery}"
+    return Domain(domain, f"<CycloneDDS><Domain>{inside}</Domain></CycloneDDS>")
+
+
+class _Ends:
+    """A writer of one topic and a reader of another, on one interface."""
+
+    def __init__(
+        self, interface: str, domain: int, written: tuple[str, Layout], read: tuple[str, Layout]
+    ) -> None:
+        try:
+            participant = _participant(interface, domain)
+            topics = [Topic(participant, name, sample_type(made)) for name, made in (written, read)]
+            self._writer = DataWriter(participant, topics[0], Qos(_CDR))
+            # Whatever a robot's writers promise, this reader asks for less.
+            kept = Qos(_CDR, Policy.History.KeepLast(_KEPT), Policy.Reliability.BestEffort)
+            self._reader = DataReader(participant, topics[1], kept)
+        except DDSException as error:
+            raise Error(f"interface {interface}, domain {domain}: {error}") from error
+        self._type = sample_type(written[1])
+        unread = ReadCondition(
+            self._reader, ViewState.Any | InstanceState.Any | SampleState.NotRead
+        )
+        self._waiting = WaitSet(participant)
+        self._waiting.attach(unread)
+        self._participant, self._unread = participant, unread
+
+    def write(self, record: Record) -> None:
+        self._writer.write(self._type(record))
+
+    def taken(self) -> list[Record]:
+        """All that has arrived and was not taken yet."""
+        return [sample.record for sample in self._reader.take(_KEPT) if hasattr(sample, "record")]
+
+    def wait(self, timeout: float) -> bool:
+        """Wait until something has arrived, `timeout` s at most; whether it has."""
+        return bool(self._waiting.wait(duration(seconds=timeout)) > 0)
+
+    def matched(self) -> bool:
+        """True if somebody reads what is written."""
+        return len(self._writer.get_matched_subscriptions()) > 0
+
+    def close(self) -> None:
+        del self._waiting, self._unread, self._reader, self._writer, self._participant
+
+
+class DdsLink(Link):
+    """The player's end of a Unitree robot's wire, real or simulated.
+
+    `interface`: the network interface towards it; `domain`: None for that of `default_domain`.
+    Raises `InputError`: no such interface, or no such messages of this robot; `Error`: DDS fails.
+    """
+
+    def __init__(self, robot: Robot, interface: str, domain: int | None = None) -> None:
+        self._messages = UnitreeMessages(robot)
+        self._ends = _Ends(
+            interface,
+            default_domain(interface) if domain is None else domain,
+            (COMMAND_TOPIC, self._messages.command_layout),
+            (STATE_TOPIC, self._messages.state_layout),
+        )
+        self._arrived: deque[Record] = deque()
+
+    def send(self, command: MotorCommand) -> None:
+        """Send a command; it holds until the next one."""
+        self._ends.write(self._messages.pack_command(command))
+
+    def receive(self, timeout: float) -> Readings | None:
+        """The next reading that was not received yet; None if none arrives within `timeout` s."""
+        if not self._arrived:
+            self._arrived.extend(self._ends.taken())
+        if not self._arrived and self._ends.wait(timeout):
+            self._arrived.extend(self._ends.taken())
+        if not self._arrived:
+            return None
+        record = self._arrived.popleft()
+        self.health = self._messages.health(record)
+        return self._messages.readings(record)
+
+    def close(self) -> None:
+        """Stop sending and receiving."""
+        self._ends.close()
+
+
+class DdsRobot:
+    """The robot's end of the same wire, for a simulated one; arguments and errors as `DdsLink`.
+
+    `refused`: commands with a wrong checksum, which robots do not follow.
+    """
+
+    def __init__(self, robot: Robot, interface: str, domain: int | None = None) -> None:
+        self._messages = UnitreeMessages(robot)
+        self._ends = _Ends(
+            interface,
+            default_domain(interface) if domain is None else domain,
+            (STATE_TOPIC, self._messages.state_layout),
+            (COMMAND_TOPIC, self._messages.command_layout),
+        )
+        self.refused = 0
+
+    def publish(self, readings: Readings, voltage: float) -> None:
+        """Send readings; `voltage`: share of the battery's."""
+        self._ends.write(self._messages.pack_state(readings, voltage))
+
+    def commands(self, timeout: float) -> list[MotorCommand]:
+        """The commands that have arrived, or arrive within `timeout` s: the first ends the wait."""
+        records = self._ends.taken()
+        if not records and timeout > 0 and self._ends.wait(timeout):
+            records = self._ends.taken()
+        commands = [self._messages.command(record) for record in records]
+        self.refused += commands.count(None)
+        return [command for command in commands if command is not None]
+
+    def close(self) -> None:
+        """Stop sending and receiving."""
+        self._ends.close()

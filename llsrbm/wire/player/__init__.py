@@ -1,0 +1,17 @@
+"""The player: a plan on a robot, by a `Link`, a clock and the plan alone.
+
+    player = Player(ClosedLoop(plan, robot), link, clock)
+    ended = player.run()
+
+States follow each other, `check`, `ramp`, `stand`, `jump`, `damp`; what stops a robot before its
+plan has ended leads to `damp` at once. Nobody here has run it on a robot.
+"""
+
+from __future__ import annotations
+
+from llsrbm.wire.player.player import Ended, Player
+from llsrbm.wire.player.requirements import check_plan
+from llsrbm.wire.player.tier import PERIOD, Tier
+from llsrbm.wire.player.tiers import TIERS, make_tier
+
+__all__ = ["PERIOD", "TIERS", "Ended", "Player", "Tier", "check_plan", "make_tier"]

@@ -1,0 +1,191 @@
+"""Conditions under which a player stops by itself: each a small class that looks at every tick."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.control.motor_command import MotorCommand
+from llsrbm.control.readings import Readings
+from llsrbm.robots import Robot
+from llsrbm.robots.drives import torque_range
+from llsrbm.wire.link import Health
+from llsrbm.wire.player.posture import Planned, up_of_quat
+from llsrbm.wire.player.tier import PERIOD
+
+Array = NDArray[np.float64]
+
+SILENT = 0.02  # s without a reading: ten in a row
+TILTED = np.radians(45.0)  # from the planned attitude; beyond it no landing is on the feet
+# rad (m): a joint that far from the plan's, for so long, s, is not on its way there. Feet that land
+# early or late are off by less.
+ASTRAY, ASTRAY_FOR = 0.8, 0.03
+LATE, LATE_FOR = 0.01, 0.01  # s by which readings are later than the first ones were, for how long
+# Commands that were not sent within a period of their reading, of the last so many; and s between
+# two of them.
+MISSED, LAST_SENT, PAUSED = 10, 50, 0.02
+# Share of a drive's torque by which it differs from every command under way, and for how long, s.
+IDLE, IDLE_FOR = 0.08, 0.04
+UNDER_WAY = 4  # commands: up to 6 ms
+# Of motors, deg C, and of the battery's charge. Our own choice: a jump takes the most of both.
+HOTTEST, LEAST_CHARGE = 75.0, 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A tick as stop conditions see it, after its reading and before its command."""
+
+    now: float  # s by the player's clock
+    readings: Readings
+    planned: Planned  # of the last command
+    sent: Sequence[MotorCommand]  # the last ones, the latest first
+    health: Health | None = None
+
+
+class Stop(ABC):
+    """A reason to stop; it may remember the ticks before."""
+
+    @abstractmethod
+    def find(self, moment: Moment) -> str:
+        """The reason in words; "" for none."""
+
+
+class Tilt(Stop):
+    """The base leans away from its planned attitude, whatever the yaw."""
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        angle = tilt_from(moment.planned.up, moment.readings.quat)
+        if angle < TILTED:
+            return ""
+        return (
+            f"tilt: {np.degrees(angle):.0f} deg from the plan, "
+            f"at most {np.degrees(TILTED):.0f} are allowed"
+        )
+
+
+def tilt_from(up: Array, quat: Array) -> float:
+    """Angle, rad, between the planned `up` (3,) and the one of an attitude (4,), base frame."""
+    return float(np.arccos(np.clip(up @ up_of_quat(quat), -1.0, 1.0)))
+
+
+class TrackingError(Stop):
+    """A joint stays far from its planned position."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._names = robot.joint_names
+        self._ticks = np.zeros(len(self._names), dtype=np.int64)
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        off = np.abs(moment.readings.q - moment.planned.q)
+        self._ticks = np.where(off > ASTRAY, self._ticks + 1, 0)
+        joint = int(self._ticks.argmax())
+        if self._ticks[joint] * PERIOD < ASTRAY_FOR:
+            return ""
+        return (
+            f"tracking: {self._names[joint]} is {off[joint]:.2f} rad from the plan, at most "
+            f"{ASTRAY:g} are allowed"
+        )
+
+
+class IdleDrive(Stop):
+    """A drive gives another torque than any of the commands that it may have by now."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._ticks = np.zeros(len(robot.joint_names), dtype=np.int64)
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        if len(moment.sent) < UNDER_WAY:
+            return ""
+        readings, robot = moment.readings, self._robot
+        limits = torque_range(robot, readings.dq)
+        wanted = np.array(
+            [np.clip(sent.torque(readings.q, readings.dq), *limits) for sent in moment.sent]
+        )
+        off = np.abs(readings.torque - wanted).min(axis=0) / robot.torque_limit
+        self._ticks = np.where(off > IDLE, self._ticks + 1, 0)
+        joint = int(self._ticks.argmax())
+        if self._ticks[joint] * PERIOD < IDLE_FOR:
+            return ""
+        return (
+            f"drive: {robot.joint_names[joint]} gives {readings.torque[joint]:.1f} Nm, "
+            f"{wanted[0, joint]:.1f} Nm are commanded"
+        )
+
+
+class LateReadings(Stop):
+    """Readings are later than they were at first, as far as two clocks can say."""
+
+    def __init__(self) -> None:
+        self._least = np.inf  # s: of the player's clock less the robot's
+        self._ticks = 0
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        apart = moment.now - moment.readings.time
+        self._least = min(self._least, apart)
+        late = apart - self._least
+        self._ticks = self._ticks + 1 if late > LATE else 0
+        if self._ticks * PERIOD < LATE_FOR:
+            return ""
+        return f"late: readings come {1e3 * late:.0f} ms late, at most {1e3 * LATE:.0f} are allowed"
+
+
+class MissedDeadlines(Stop):
+    """The player itself is too slow: its computer does something else."""
+
+    def __init__(self) -> None:
+        self._missed: deque[bool] = deque(maxlen=LAST_SENT)
+        self._pause = 0.0
+        self._sent_at: float | None = None
+
+    def sent(self, received: float, now: float) -> None:
+        """Take note of a command that was sent at `now` for a reading of `received`, s."""
+        self._missed.append(now - received > PERIOD)
+        if self._sent_at is not None:
+            self._pause = now - self._sent_at
+        self._sent_at = now
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        if self._pause > PAUSED:
+            return (
+                f"deadlines: {1e3 * self._pause:.0f} ms passed between two commands, at most "
+                f"{1e3 * PAUSED:.0f} are allowed"
+            )
+        missed = sum(self._missed)
+        if missed < MISSED:
+            return ""
+        return (
+            f"deadlines: {missed} of the last {len(self._missed)} commands came more than "
+            f"{1e3 * PERIOD:.0f} ms after their reading, {MISSED - 1} are allowed"
+        )
+
+
+class Unwell(Stop):
+    """Motors are hot or the battery is low, by what the robot says of itself."""
+
+    def find(self, moment: Moment) -> str:
+        """See `Stop`."""
+        health = moment.health
+        if health is None:
+            return ""
+        if health.hottest > HOTTEST:
+            return (
+                f"temperature: a motor has {health.hottest:.0f} deg C, at most {HOTTEST:.0f} are "
+                "allowed"
+            )
+        if health.charge is not None and health.charge < LEAST_CHARGE:
+            return (
+                f"battery: {100 * health.charge:.0f} % are left, at least {100 * LEAST_CHARGE:.0f} "
+                "are needed"
+            )
+        return ""

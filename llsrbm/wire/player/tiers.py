@@ -1,0 +1,22 @@
+"""The tiers, found by name."""
+
+from __future__ import annotations
+
+from llsrbm.motion.plan import Plan
+from llsrbm.request.messages import look_up
+from llsrbm.robots import Robot
+from llsrbm.wire.player.closed_loop import ClosedLoop
+from llsrbm.wire.player.table import Table
+from llsrbm.wire.player.tier import Tier
+
+TIERS: dict[str, type[Tier]] = {tier.name: tier for tier in (Table, ClosedLoop)}
+
+
+def tier_called(name: str) -> type[Tier]:
+    """The tier of a name. Raises `InputError`, naming the valid ones: no tier has it."""
+    return look_up("tier", name, TIERS)
+
+
+def make_tier(name: str, plan: Plan, robot: Robot) -> Tier:
+    """The tier of a name, for a plan. Raises `InputError`: no such tier, or no standing start."""
+    return tier_called(name)(plan, robot)

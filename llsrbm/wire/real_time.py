@@ -1,0 +1,66 @@
+"""A simulated robot behind its own topics, in step with the wall clock."""
+
+from __future__ import annotations
+
+import time as wall_clock
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from llsrbm.wire.dds import DdsRobot
+from llsrbm.wire.simulated_robot import TICK, SimulatedRobot
+
+BEHIND = 0.1  # s; a computer that is later than this is not caught up with, its robot's clock slips
+
+
+@dataclass
+class Punctuality:
+    """How well a simulation has kept step: ticks begin when they are due, or late.
+
+    Attributes:
+        late: ticks that began more than a tick late; worst: by how much at most, s.
+        slipped: s by which the robot's clock has slipped behind the wall's for good.
+        computing: s, of each tick's simulation and messages.
+    """
+
+    ticks: int = 0
+    late: int = 0
+    worst: float = 0.0
+    slipped: float = 0.0
+    computing: list[float] = field(default_factory=list)
+
+
+def run(
+    robot: SimulatedRobot,
+    end: DdsRobot,
+    duration: float,
+    stopped: Callable[[], bool] = lambda: False,
+) -> Punctuality:
+    """Let a robot live for so long, s, or until `stopped`; commands come and readings go by `end`.
+
+    Commands are stamped as they arrive, between ticks, and take the robot's own delay from there.
+    Raises `llsrbm.simulation.world.Diverged`.
+    """
+    found, clock = Punctuality(), wall_clock.perf_counter
+    start = clock() - robot.time
+    until = robot.time + duration
+    while robot.time < until - TICK / 2 and not stopped():
+        due = start + robot.time
+        while True:
+            left = due - clock()
+            for command in end.commands(max(0.0, left)):
+                robot.send(command, min(robot.time, clock() - start))
+            if clock() >= due:
+                break
+        began = clock()
+        late = began - due
+        found.worst = max(found.worst, late)
+        found.late += late > TICK
+        if late > BEHIND:
+            start += late
+            found.slipped += late
+        robot.tick()
+        for readings in robot.readings():
+            end.publish(readings, robot.voltage)
+        found.ticks += 1
+        found.computing.append(clock() - began)
+    return found

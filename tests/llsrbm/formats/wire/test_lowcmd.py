@@ -1,0 +1,182 @@
+"""Tables for LowCmd, put into the messages' own layout and compared joint by joint."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.errors import InputError
+from llsrbm.formats import export
+from llsrbm.installed import assets_directory
+from llsrbm.motion.plan import load_plan
+from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import planned, simulated
+from tests.llsrbm.formats.wire.jumps import (
+    KINDS,
+    TWIST,
+    beside,
+    jump,
+    rate_of,
+    read_table,
+    torques_of,
+)
+
+# As published: a motor's command in the messages of both families, and who has which number.
+MOTOR = np.dtype([("q", "<f4"), ("dq", "<f4"), ("tau", "<f4"), ("kp", "<f4"), ("kd", "<f4")])
+GO2 = [
+    f"{leg}_{part}_joint" for leg in ("FR", "FL", "RR", "RL") for part in ("hip", "thigh", "calf")
+]
+LEG = ("hip_pitch", "hip_roll", "hip_yaw", "knee", "ankle_pitch", "ankle_roll")
+ARM = (
+    "shoulder_pitch",
+    "shoulder_roll",
+    "shoulder_yaw",
+    "elbow",
+    "wrist_roll",
+    "wrist_pitch",
+    "wrist_yaw",
+)
+G1 = [
+    *(f"{side}_{part}_joint" for side in ("left", "right") for part in LEG),
+    *(f"waist_{part}_joint" for part in ("yaw", "roll", "pitch")),
+    *(f"{side}_{part}_joint" for side in ("left", "right") for part in ARM),
+]
+
+
+def messages(path, motors):
+    """(time, motor_cmd (K, motors)): every number of the table in its motor's field."""
+    table = read_table(path)
+    time = table.pop("time")
+    commands = np.zeros((len(time), motors), dtype=MOTOR)
+    for name, column in table.items():
+        part, number = re.fullmatch(r"(q|dq|tau|kp|kd)_(\d+)", name).groups()
+        commands[part][:, int(number)] = column
+    return time, commands
+
+
+@pytest.fixture(scope="module", params=KINDS)
+def kind(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def sent(kind, tmp_path_factory):
+    path = tmp_path_factory.mktemp("lowcmd") / "jump.csv"
+    export(jump("go2", kind), path, format="lowcmd", fps=rate_of("go2"))
+    return messages(path, 20)
+
+
+def test_motors_get_what_their_joints_do(kind, sent):
+    time, commands = sent
+    trajectory = jump("go2", kind)
+    assert commands.shape[1] == 20
+    for number, joint in enumerate(GO2):
+        column = trajectory.joint_names.index(joint)
+        if kind == "rollout":
+            ticks = np.arange(0, len(trajectory.time), 2)
+            here = commands[: len(ticks), number]
+            np.testing.assert_allclose(
+                here["q"], trajectory.joint_position[ticks, column], atol=1e-6
+            )
+            np.testing.assert_allclose(
+                here["dq"], trajectory.joint_velocity[ticks, column], atol=1e-5
+            )
+        ends = trajectory.joint_position[[0, -1], column]
+        np.testing.assert_allclose(commands["q"][[0, -1], number], ends, atol=1e-6)
+        inside = time < trajectory.time[-1] - trajectory.time[0]
+        wanted = torques_of(trajectory, joint, time[inside])
+        np.testing.assert_allclose(commands["tau"][inside, number], wanted, atol=1e-4)
+    np.testing.assert_array_equal(commands["kp"][:, :12], 60)
+    np.testing.assert_array_equal(commands["kd"][:, :12], 3)
+    assert not commands[:, 12:].view("<f4").any()  # left idle
+
+
+def test_speeds_are_those_of_the_angles(kind, sent):
+    """But for the rows in which something hits the ground."""
+    time, commands = sent
+    q, dq = (commands[part][:, :12].astype(float) for part in ("q", "dq"))
+    between = (dq[1:] + dq[:-1]) / 2
+    off = np.abs(np.diff(q, axis=0) / np.diff(time)[:, None] - between)
+    assert np.quantile(off, 0.95) < (0.05 if kind == "plan" else 0.2)
+
+
+def test_torques_jump_where_the_feet_leave(tmp_path):
+    plan = planned("go2", TWIST)
+    export(plan, tmp_path / "x.csv", format="lowcmd", fps=1000)
+    time, commands = messages(tmp_path / "x.csv", 20)
+    knees = commands["tau"][:, 2:12:3]
+    first = int(np.argmax(time >= plan.lift_off))
+    assert time[first] - plan.lift_off < 1e-3
+    # The legs push until the row before and are only swung from this one on.
+    joints = [plan.joint_names.index(joint) for joint in GO2[2::3]]
+    knots = plan.joint_torque[:, joints]
+    edge = int(np.argmax(plan.time >= plan.lift_off - 1e-9))
+    np.testing.assert_allclose(knees[first - 1], knots[edge - 1], atol=1e-4)
+    np.testing.assert_allclose(knees[first], knots[edge], atol=1e-4)
+    assert np.abs(knees[first] - knees[first - 1]).max() > 1
+
+
+def test_500_rows_a_second_and_standing_before_and_after(tmp_path):
+    plan = planned("go2", TWIST)
+    export(plan, tmp_path / "x.csv", format="lowcmd", pad=0.1)
+    time, commands = messages(tmp_path / "x.csv", 20)
+    np.testing.assert_allclose(np.diff(time), 0.002, atol=1e-7)
+    assert time[0] == 0
+    assert time[-1] == pytest.approx(plan.duration + 0.2, abs=0.002)
+    for rows in (slice(None, 50), slice(-50, None)):
+        assert not commands["dq"][rows].any()
+        assert not np.ptp(commands["q"][rows], axis=0).any()
+
+
+def test_what_stands_beside(tmp_path):
+    export(simulated("go2", TWIST), tmp_path / "x.csv", format="lowcmd")
+    told = beside(tmp_path / "x.csv")
+    assert told["fps"] == 500
+    assert told["family"] == "unitree_go"
+    assert told["motors"] == [{"number": n, "joint": joint} for n, joint in enumerate(GO2)]
+    assert told["columns"] == list(read_table(tmp_path / "x.csv"))
+    assert dict(zip(told["columns"], told["column_units"], strict=True))["kd_11"] == "Nm s/rad"
+    assert told["request"]["twist"] == TWIST
+
+
+def test_g1s_held_joints_stay(tmp_path):
+    plan = load_plan(assets_directory() / "plans" / "g1.npz")
+    export(plan, tmp_path / "x.csv", format="lowcmd", fps=100)
+    _, commands = messages(tmp_path / "x.csv", 35)
+    held = load_robot("g1").file.urdf.held
+    assert [motor["joint"] for motor in beside(tmp_path / "x.csv")["motors"]] == G1
+    for number, joint in enumerate(G1):
+        here = commands[:, number]
+        assert (here["kp"] > 0).all()
+        assert (here["kd"] > 0).all()
+        if joint in held:
+            np.testing.assert_array_equal(here["q"], np.float32(held[joint]))
+            assert not here["dq"].any()
+            assert not here["tau"].any()
+        else:
+            assert here["q"][0] == pytest.approx(
+                plan.joint_position[0, plan.joint_names.index(joint)], abs=1e-6
+            )
+            assert np.ptp(here["q"]) > 1e-6
+    assert not commands[:, 29:].view("<f4").any()
+
+
+@pytest.mark.parametrize(
+    ("robot", "message"),
+    [("solo12", "family odri and no LowCmd"), ("anymal", r"robot anymal has no table \[wire\]")],
+)
+def test_robots_of_others(tmp_path, robot, message):
+    with pytest.raises(InputError, match=message):
+        export(
+            load_plan(assets_directory() / "plans" / f"{robot}.npz"),
+            tmp_path / "x.csv",
+            format="lowcmd",
+        )
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_plan_without_torques(tmp_path):
+    plan = replace(planned("go2", TWIST), joint_torque=None)
+    with pytest.raises(InputError, match="has no torques; expected one that was solved"):
+        export(plan, tmp_path / "x.csv", format="lowcmd")
