@@ -54,6 +54,12 @@ class Act(Enum):
     SEEDS = Button(
         "seeds", "Simulate 20 seeds", "The same plan under 20 disturbances: how many land"
     )
+    ROBOT_SIMULATOR = Button(
+        "seeds",
+        "Robot simulator",
+        "Play the plan as on the robot: its wire's delays, sensors, an estimator, the player; the "
+        "direct simulation is pinned beside it",
+    )
     WORST = Button("worst", "Show the worst seed", "The simulation that fell first or erred most")
     PIN = Button("pin", "Pin", "Keep this design as a ghost and compare others with it")
     USE_PINNED = Button("pinned", "Use this design", "Make the pinned design the current one")

@@ -19,6 +19,7 @@ from app.panel.html import note
 from app.panel.status import SeedResult
 from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
 from llsrbm.robots import RobotFile
+from llsrbm.simulation.sensors import ESTIMATORS
 from llsrbm.simulation.surroundings import TO_SPARE
 
 AUTOMATICALLY = "Simulate automatically"
@@ -136,6 +137,14 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
         ends=(0.0, _LARGEST_SEED),
         there=lambda scenario: scenario.seed is not None,
         stays=True,
+    ),
+    Field(
+        "Estimator",
+        "From which the controller knows where the robot is: "
+        + "; ".join(f"{name}, {kind.summary}" for name, kind in ESTIMATORS.items()),
+        get=lambda scenario: scenario.estimator,
+        put=lambda scenario, name: replace(scenario, estimator=name),
+        options=tuple(ESTIMATORS),
     ),
 )
 

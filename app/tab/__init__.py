@@ -3,7 +3,16 @@
 Importing the features registers their handlers in `app.tab.acts`.
 """
 
-from app.tab import atlas, comparison, design, files, inspection, pushing, simulating
+from app.tab import (
+    atlas,
+    comparison,
+    design,
+    files,
+    inspection,
+    pushing,
+    robot_simulator,
+    simulating,
+)
 from app.tab.planning import answers, refining, requests, robot
 from app.tab.start import opening, preferences
 
@@ -20,5 +29,6 @@ __all__ = [
     "refining",
     "requests",
     "robot",
+    "robot_simulator",
     "simulating",
 ]

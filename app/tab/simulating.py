@@ -19,6 +19,7 @@ from llsrbm.simulation.surroundings import surroundings
 
 SEEDS = 20  # Disturbances that are tried together; the robustness benchmark's number
 
+THROUGH_WIRE = "robot simulator"
 _AHEAD = 0.05  # s by which a simulation has to be ahead of a replay that begins before its end
 
 
@@ -51,7 +52,9 @@ def take_simulation(state: TabState, report: reports.Report, task: tasks.Simulat
         case reports.SimulatedSoFar():
             return _show_so_far(state, report, task)
         case reports.Simulated(rollout=rollout):
-            state = show_rollout(state, rollout, task.scenario)
+            state = show_rollout(state, rollout, task.scenario, THROUGH_WIRE if task.wire else "")
+            if task.wire:
+                return state, ()
             took = rollout.duration / (rollout.outcome.real_time_factor or math.inf)
             state = replace(state, simulated_in=took)
             follow_up = state.work.compare

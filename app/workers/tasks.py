@@ -153,6 +153,7 @@ class SimulateJump(Task):
 
     plan: Plan  # a solved one
     scenario: Scenario  # board and disturbance
+    wire: bool = False  # by the player, through what a robot's own wire does to it
     kind = Kind.SIMULATE
 
     def work(self, planner: Any, talk: Talk) -> Outcome:

@@ -125,6 +125,8 @@ class LibraryPlanner:
                 shown = int(100 * share)
                 progress(f"simulating, {shown} %", share=share)
 
+        if task.wire:
+            return _played(task, percent, cancelled)
         return llsrbm.simulate(
             task.plan,
             task.scenario,
@@ -214,3 +216,18 @@ def _work(planner: Any, job: tasks.Job, talk: reports.Talk) -> reports.Report:
         return reports.Cancelled(job.number)
     except errors.Error as error:
         return reports.Failed(job.number, str(error))
+
+
+def _played(
+    task: tasks.SimulateJump, progress: Callable[[float], None], cancelled: Callable[[], bool]
+) -> Rollout:
+    """A plan as the player plays it. Raises `Error`: it stopped before the jump."""
+    from llsrbm.robots import load_robot
+    from llsrbm.wire.played import play_in
+
+    played = play_in(
+        task.plan, load_robot(task.plan.jump.robot), task.scenario, progress, cancelled
+    )
+    if played.rollout is None:
+        raise errors.Error(f"the robot simulator: {played.ended.line}")
+    return played.rollout

@@ -10,6 +10,7 @@ the plan's, as it knows no others.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,23 +21,27 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import Tick
 from llsrbm.control.inverse_dynamics import Command
 from llsrbm.control.reference import Reference
+from llsrbm.errors import Cancelled
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Mode, Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
+from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
-from llsrbm.simulation.surroundings import Surroundings
+from llsrbm.simulation.surroundings import Surroundings, surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import FLAT, TickResult
 from llsrbm.wire.player import Ended, Player, Tier, make_tier
 from llsrbm.wire.player.closed_loop import ClosedLoop
 from llsrbm.wire.player.play_log import PlayLog
-from llsrbm.wire.player.states import Jumping, State
+from llsrbm.wire.player.states import Jumping, State, outline
 from llsrbm.wire.simulated_robot import TICK, Conditions, DirectLink, SimulatedRobot, TrueTick
 
 Array = NDArray[np.float64]
+
+_LOOK_EVERY = 20  # ticks between two calls of `cancelled` and `progress`
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,22 +81,59 @@ def play(
     seed: int = 0,
     *,
     conditions: Conditions = Conditions(),  # noqa: B008  frozen
-    surroundings: Surroundings = FLAT,
+    around: Surroundings = FLAT,
     disturbance: Disturbance = Disturbance(),  # noqa: B008  frozen
+    observer: Callable[[TrueTick], None] | None = None,
 ) -> Played:
-    """Play a plan, without looking at its certificate. Raises `InputError`: as the parts do."""
+    """Play a plan, without looking at its certificate; `observer` is called with each tick.
+
+    Raises `InputError`: as the parts do.
+    """
     chosen = make_tier(tier, plan, robot)
     simulated = SimulatedRobot(
-        robot, conditions, seed, surroundings=surroundings, disturbance=disturbance
+        robot, conditions, seed, surroundings=around, disturbance=disturbance
     )
     witness = Witness(chosen)
     simulated.observers.append(witness.observe)
+    if observer is not None:
+        simulated.observers.append(observer)
     player = Player(chosen, DirectLink(simulated), lambda: simulated.time, witness.enter)
     ended = player.run()
     rollout = None
     if len(witness.seen) >= LEAST_TICKS:
         rollout = _rollout(chosen, simulated, disturbance, witness, ended, seed)
     return Played(ended, player.log, rollout)
+
+
+def play_in(
+    plan: Plan,
+    robot: Robot,
+    scenario: Scenario,
+    progress: Callable[[float], None],
+    cancelled: Callable[[], bool],
+) -> Played:
+    """Play a plan by the closed loop in a scenario: its board and what its seed disturbs.
+
+    Delay and sensors' noise are the wire's own. `progress`, `cancelled`: as `llsrbm.simulate` has
+    them. Raises `Cancelled`.
+    """
+    tier = ClosedLoop.name
+    states = outline(make_tier(tier, plan, robot), robot.posture[7:])
+    total = sum(duration for _, duration, _ in states)
+
+    def look(true: TrueTick) -> None:
+        if round(true.time / TICK) % _LOOK_EVERY == 0:
+            if cancelled():
+                raise Cancelled("the robot simulator was cancelled")
+            progress(min(true.time / total, 1.0))
+
+    disturbance = replace(draw_disturbance(scenario), torque_delay_ticks=0)
+    return play(
+        *(plan, robot, tier, scenario.seed or 0),
+        around=surroundings(robot, plan, scenario),
+        disturbance=disturbance,
+        observer=look,
+    )
 
 
 @dataclass(frozen=True)

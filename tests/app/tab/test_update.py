@@ -134,6 +134,7 @@ WISHES = st.one_of(
         [
             Act.SIMULATE,
             Act.SEEDS,
+            Act.ROBOT_SIMULATOR,
             Act.COMPARE_REPLANNING,
             Act.COMPARE_MODEL,
             Act.COMPARE_ARMS,
