@@ -24,6 +24,7 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.robots import load_robot
 from llsrbm.wire.dds import DdsLink, DdsRobot
+from llsrbm.wire.real_time import go_first
 
 PERIOD = 0.002  # s
 DOMAIN = 210  # nobody else's
@@ -102,7 +103,7 @@ def main(
 ) -> None:
     """Measure, and print."""
     if fifo:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
+        go_first()
     count = round(seconds / PERIOD)
     if side == "robot":
         print(json.dumps(robot_side(robot, count)))

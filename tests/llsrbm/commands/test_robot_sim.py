@@ -28,8 +28,7 @@ def test_it_stands_for_as_long_as_it_is_asked_to(capfd):
 def test_its_lines(capfd):
     assert run("--robot", "g1", "--duration", "0.02", "--no-battery", "--lost", "0.5") == 0
     out = capfd.readouterr().out.splitlines()
-    assert out[0].startswith("Unitree G1")
-    assert out[0].endswith(".")
+    assert out[0].startswith("Unitree G1 stands, interface lo, domain ")
     assert "of 10 ticks began late" in out[1]
     assert out[-1] == "touched   nothing but feet touched anything"
 
