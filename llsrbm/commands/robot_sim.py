@@ -152,6 +152,8 @@ def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
     plan = llsrbm.load(file)
     if not isinstance(plan, llsrbm.Plan):
         raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    if set(plan.joint_names) != set(robot.joint_names):
+        raise InputError(f"{file}: expected a plan of {robot.file.title}, got {plan.jump.robot}'s")
     around = surroundings(robot, plan, Scenario())
     if around.in_mid_flight:
         raise InputError(
