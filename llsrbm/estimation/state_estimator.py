@@ -73,6 +73,7 @@ class StateEstimator:
         self._time: float | None = None
         self._noise = np.zeros(len(self.filter.covariance))
         self._begins = True
+        self._gyro_before = np.zeros(3)
 
     def restart(self) -> None:
         """The next readings are of `q0` again, perhaps moving; biases stay as they are known."""
@@ -86,6 +87,8 @@ class StateEstimator:
             self._begin(readings, standing)
         else:
             self._go_on(readings, readings.time - self._time, standing)
+        if self._begins:
+            self._gyro_before = readings.gyro
         self._begins, self._time = False, readings.time
         return self._estimate(readings)
 
@@ -158,6 +161,12 @@ class StateEstimator:
         turning = (self.feet.angular_velocity + rate) @ self.filter.R_world_base.T
         return cross(turning, self.feet.radius * _UP[None])
 
+    def _rate_now(self, gyro: Array) -> Array:
+        """(3,) rad/s as the tick ends, of means over ticks: on half the way that they changed."""
+        now: Array = gyro + (gyro - self._gyro_before) / 2
+        self._gyro_before = gyro
+        return now
+
     def _estimate(self, readings: Readings) -> tuple[Array, Array]:
         belief = self.filter
         quat = pin.Quaternion(belief.R_world_base).normalized().coeffs()
@@ -167,7 +176,7 @@ class StateEstimator:
         v = np.concatenate(
             [
                 belief.R_world_base.T @ belief.velocity,
-                readings.gyro - belief.gyro_bias,
+                self._rate_now(readings.gyro) - belief.gyro_bias,
                 readings.dq,
             ]
         )
