@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import threading
 from pathlib import Path
@@ -16,8 +17,9 @@ if TYPE_CHECKING:
     from llsrbm.robots import Robot
     from llsrbm.simulation.contacts import Touch
     from llsrbm.simulation.surroundings import Surroundings
+    from llsrbm.wire.dds import DdsRobot
     from llsrbm.wire.real_time import Punctuality
-    from llsrbm.wire.simulated_robot import SimulatedRobot, TrueTick
+    from llsrbm.wire.simulated_robot import Conditions, SimulatedRobot, TrueTick
 
 
 def robot_sim_command(
@@ -52,6 +54,9 @@ def robot_sim_command(
     duration: Annotated[
         float | None, typer.Option(metavar="S", help="[default: until Ctrl-C].")
     ] = None,
+    fifo: Annotated[
+        bool, typer.Option("--fifo", help="Run before all else; the system must allow it.")
+    ] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """A robot in MuJoCo behind the topics of the real one, in real time, without a window.
@@ -64,40 +69,49 @@ def robot_sim_command(
     if duration is not None and not duration > 0:
         raise InputError(f"duration: expected more than 0 s, got {duration:g}")
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.robots import load_robot
         from llsrbm.wire.channel import Faults
-        from llsrbm.wire.dds import DdsRobot, default_domain
-        from llsrbm.wire.motor_map import MotorMap
-        from llsrbm.wire.simulated_robot import Conditions, SimulatedRobot
+        from llsrbm.wire.simulated_robot import Conditions
 
-        loaded = load_robot(robot)
         faults = Faults(lost, late, late_ms / 1000)
         conditions = Conditions(delay_ms / 1000, delay_spread_ms / 1000, faults, battery)
-        end = DdsRobot(loaded, interface, domain)
-        simulated = SimulatedRobot(
-            loaded,
-            conditions,
-            seed,
-            surroundings=_surroundings(plan, loaded),
-            foot_force=MotorMap.of(loaded).family == "unitree_go",
-        )
-        where = default_domain(interface) if domain is None else domain
+        if fifo:
+            from llsrbm.wire.real_time import go_first
+
+            go_first()  # threads that are begun from here on do, too
+        simulated, end = _standing(robot, interface, domain, plan, conditions, seed)
         if not as_json:
-            print(f"{loaded.file.title} stands on {interface}, domain {where}.", flush=True)
-        touches: dict[Touch, float] = {}
-
-        def note(tick: TrueTick) -> None:
-            for touch, time in tick.result.touches:
-                touches.setdefault(touch, time)
-
-        simulated.observers.append(note)
-        kept = _run(simulated, end, duration)
-        result = _result(simulated, kept, end.refused, touches)
+            print(f"{simulated.robot.file.title} stands, {end.place}.", flush=True)
+        result = _run(simulated, end, duration)
         console.print_result(result, _in_words(result), stdout, as_json=as_json)
     return console.DONE
 
 
-def _run(simulated: SimulatedRobot, end: Any, duration: float | None) -> Punctuality:
+def _standing(
+    name: str,
+    interface: str,
+    domain: int | None,
+    plan: Path | None,
+    conditions: Conditions,
+    seed: int,
+) -> tuple[SimulatedRobot, DdsRobot]:
+    from llsrbm.robots import load_robot
+    from llsrbm.wire.dds import DdsRobot
+    from llsrbm.wire.motor_map import MotorMap
+    from llsrbm.wire.simulated_robot import SimulatedRobot
+
+    robot = load_robot(name)
+    end = DdsRobot(robot, interface, domain)
+    simulated = SimulatedRobot(
+        robot,
+        conditions,
+        seed,
+        surroundings=_surroundings(plan, robot),
+        foot_force=MotorMap.of(robot).family == "unitree_go",
+    )
+    return simulated, end
+
+
+def _run(simulated: SimulatedRobot, end: DdsRobot, duration: float | None) -> dict[str, Any]:
     """Run until the time is over or a signal comes. Raises `Error`: the simulation diverged."""
     from llsrbm.simulation.world import Diverged
     from llsrbm.wire.real_time import run
@@ -107,14 +121,22 @@ def _run(simulated: SimulatedRobot, end: Any, duration: float | None) -> Punctua
         number: signal.signal(number, lambda *_: stop.set())
         for number in (signal.SIGINT, signal.SIGTERM)
     }
+    touches: dict[Touch, float] = {}
+
+    def note(tick: TrueTick) -> None:
+        for touch, time in tick.result.touches:
+            touches.setdefault(touch, time)
+
+    simulated.observers.append(note)
     try:
-        return run(simulated, end, float("inf") if duration is None else duration, stop.is_set)
+        kept = run(simulated, end, math.inf if duration is None else duration, stop.is_set)
     except Diverged as error:
         raise Error(str(error)) from error
     finally:
         end.close()
         for number, handler in handlers.items():
             signal.signal(number, handler)
+    return _result(simulated, kept, end.refused, touches)
 
 
 def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
@@ -130,6 +152,8 @@ def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
     plan = llsrbm.load(file)
     if not isinstance(plan, llsrbm.Plan):
         raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    if set(plan.joint_names) != set(robot.joint_names):
+        raise InputError(f"{file}: expected a plan of {robot.file.title}, got {plan.jump.robot}'s")
     around = surroundings(robot, plan, Scenario())
     if around.in_mid_flight:
         raise InputError(

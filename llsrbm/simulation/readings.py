@@ -58,7 +58,8 @@ FOOT_FORCE_SCALE = 0.2  # share a foot
 class Instruments:
     """The sensors of one robot, the same for the same `seed`; `tick`: s between readings.
 
-    `foot_force`: whether the robot's feet feel anything.
+    `foot_force`: whether the robot's feet feel anything; `joint_zero`: (J,) rad or m by which each
+    encoder shows too much.
     """
 
     def __init__(self, robot: Robot, tick: float, seed: int, *, foot_force: bool = False) -> None:
@@ -69,7 +70,7 @@ class Instruments:
         self._gyro_scale = 1 + GYRO_SCALE * rng.standard_normal(3)
         self._acceleration_bias = ACCELERATION_BIAS * rng.standard_normal(3)
         self._acceleration_scale = 1 + ACCELERATION_SCALE * rng.standard_normal(3)
-        self._zero = JOINT_ZERO * rng.standard_normal(joints)
+        self.joint_zero = JOINT_ZERO * rng.standard_normal(joints)
         self._torque_scale = 1 + TORQUE_SCALE * rng.standard_normal(joints)
         self._torque_noise = TORQUE_NOISE * robot.torque_limit
         self._foot_scale = 1 + FOOT_FORCE_SCALE * rng.standard_normal(legs)
@@ -90,7 +91,7 @@ class Instruments:
         joint pushed and no foot felt anything.
         """
         q, v = state
-        rng, joints = self._rng, len(self._zero)
+        rng, joints = self._rng, len(self.joint_zero)
         gyro, acceleration = self._inertial(q, v)
         torque = np.zeros(joints) if last is None else last.torque
         drift = self._torque_noise * rng.standard_normal(joints)
@@ -99,7 +100,7 @@ class Instruments:
             quat=self._filter.update(gyro, acceleration, _quat(q)),
             gyro=gyro,
             acceleration=acceleration,
-            q=ENCODER_STEP * np.round((q[7:] + self._zero) / ENCODER_STEP),
+            q=ENCODER_STEP * np.round((q[7:] + self.joint_zero) / ENCODER_STEP),
             dq=v[6:] + SPEED_NOISE * rng.standard_normal(joints),
             torque=self._torque_scale * torque + drift,
             foot_force=self._felt(last) if self._feels else None,

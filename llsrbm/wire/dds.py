@@ -143,11 +143,17 @@ def _configured(interface: str, domain: int) -> Domain:
 
 
 class _Ends:
-    """A writer of one topic and a reader of another, on one interface."""
+    """A writer of one topic and a reader of another, on one interface; see `DdsLink`."""
 
     def __init__(
-        self, interface: str, domain: int, written: tuple[str, Layout], read: tuple[str, Layout]
+        self,
+        interface: str,
+        domain: int | None,
+        written: tuple[str, Layout],
+        read: tuple[str, Layout],
     ) -> None:
+        domain = default_domain(interface) if domain is None else domain
+        self.place = f"interface {interface}, domain {domain}"
         try:
             participant = _participant(interface, domain)
             topics = [Topic(participant, name, sample_type(made)) for name, made in (written, read)]
@@ -156,7 +162,7 @@ class _Ends:
             kept = Qos(_CDR, Policy.History.KeepLast(_KEPT), Policy.Reliability.BestEffort)
             self._reader = DataReader(participant, topics[1], kept)
         except DDSException as error:
-            raise Error(f"interface {interface}, domain {domain}: {error}") from error
+            raise Error(f"{self.place}: {error}") from error
         self._type = sample_type(written[1])
         unread = ReadCondition(
             self._reader, ViewState.Any | InstanceState.Any | SampleState.NotRead
@@ -195,7 +201,7 @@ class DdsLink(Link):
         self._messages = UnitreeMessages(robot)
         self._ends = _Ends(
             interface,
-            default_domain(interface) if domain is None else domain,
+            domain,
             (COMMAND_TOPIC, self._messages.command_layout),
             (STATE_TOPIC, self._messages.state_layout),
         )
@@ -225,18 +231,18 @@ class DdsLink(Link):
 class DdsRobot:
     """The robot's end of the same wire, for a simulated one; arguments and errors as `DdsLink`.
 
-    `refused`: commands with a wrong checksum, which robots do not follow.
+    `refused`: commands with a wrong checksum, which robots do not follow; `place`: where it is.
     """
 
     def __init__(self, robot: Robot, interface: str, domain: int | None = None) -> None:
         self._messages = UnitreeMessages(robot)
         self._ends = _Ends(
             interface,
-            default_domain(interface) if domain is None else domain,
+            domain,
             (STATE_TOPIC, self._messages.state_layout),
             (COMMAND_TOPIC, self._messages.command_layout),
         )
-        self.refused = 0
+        self.refused, self.place = 0, self._ends.place
 
     def publish(self, readings: Readings, voltage: float) -> None:
         """Send readings; `voltage`: share of the battery's."""

@@ -26,13 +26,19 @@ class Motors:
 
     `torque` is called once a step of the simulation, `step` s apart. Until the first command
     arrives the robot's own controller holds the joints in `posture`, q (nq,), standing; it does not
-    take over again. `braking`: whether the last command is older than `SILENCE`.
+    take over again. `zero`: (J,) by which the encoders show too much, which close the loops.
+    `braking`: whether the last command is older than `SILENCE`.
     """
 
     def __init__(
-        self, robot: Robot, posture: Array, channel: Channel[MotorCommand], step: float
+        self,
+        robot: Robot,
+        posture: Array,
+        zero: Array,
+        channel: Channel[MotorCommand],
+        step: float,
     ) -> None:
-        self._channel, self._step = channel, step
+        self._zero, self._channel, self._step = zero, channel, step
         kp = robot.torque_limit / STIFF_WITHIN
         kd = DAMPED_WITHIN * kp
         still = np.zeros(len(kp))
@@ -48,14 +54,14 @@ class Motors:
         return self._steps * self._step > self._silent_from
 
     def torque(self, q: Array, dq: Array) -> Array:
-        """Torque (J,) Nm of the next step at positions (J,) and speeds (J,), before the limits."""
+        """Torque (J,) Nm of the next step at true positions (J,) and speeds (J,), not limited."""
         now = self._steps * self._step
         for command in self._channel.arrived(now):
             self._command, self._silent_from = command, now + SILENCE
             self.heard += 1
         self._steps += 1
         follows = self._brake if now > self._silent_from else self._command
-        return follows.torque(q, dq)
+        return follows.torque(q + self._zero, dq)
 
 
 def standing_torque(robot: Robot, q: Array) -> Array:

@@ -102,8 +102,10 @@ class SimulatedRobot:
         )
         # What readings take on a wire is part of the delay of commands.
         self._readings: Channel[Readings] = Channel(0.0, 0.0, conditions.faults, back)
-        self._motors = Motors(robot, posture, self._commands, TICK / steps_in(TICK))
         self._instruments = Instruments(robot, TICK, seed, foot_force=foot_force)
+        self._motors = Motors(
+            robot, posture, self._instruments.joint_zero, self._commands, TICK / steps_in(TICK)
+        )
         self._sag = SAG / self.world.mass if conditions.battery else 0.0
         self._publish(None)
 

@@ -6,6 +6,11 @@ import random
 import pytest
 
 from llsrbm.cli import main
+from llsrbm.commands.robot_sim import _surroundings
+from llsrbm.errors import InputError
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from tests.app.synthetic_plan import synthetic_plan
 
 pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
 
@@ -28,8 +33,7 @@ def test_it_stands_for_as_long_as_it_is_asked_to(capfd):
 def test_its_lines(capfd):
     assert run("--robot", "g1", "--duration", "0.02", "--no-battery", "--lost", "0.5") == 0
     out = capfd.readouterr().out.splitlines()
-    assert out[0].startswith("Unitree G1")
-    assert out[0].endswith(".")
+    assert out[0].startswith("Unitree G1 stands, interface lo, domain ")
     assert "of 10 ticks began late" in out[1]
     assert out[-1] == "touched   nothing but feet touched anything"
 
@@ -51,3 +55,17 @@ def test_mistakes_are_told_in_one_line(arguments, message, capfd):
     err = capfd.readouterr().err
     assert message in err
     assert err.count("\n") == 1
+
+
+def test_it_stands_among_the_boxes_of_a_plan(tmp_path):
+    go2, file = load_robot("go2"), tmp_path / "up.npz"
+    synthetic_plan(Jump(robot="go2", forward=0.6, height=0.1)).save(file)
+    around = _surroundings(file, go2)
+    assert [block.name for block in around.blocks] == ["box"]
+    assert around.ground == 0
+    synthetic_plan(Jump(robot="go2", height=0.1)).save(file)
+    with pytest.raises(InputError, match=r"The box comes in mid-flight.*expected a jump whose"):
+        _surroundings(file, go2)
+    synthetic_plan(Jump()).save(file)
+    with pytest.raises(InputError, match=r"expected a plan of Unitree Go2, got anymal's"):
+        _surroundings(file, go2)

@@ -7,7 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from llsrbm.simulation.world import Drives
+from llsrbm.control.motor_command import MotorCommand
+from llsrbm.motion.rollout import Disturbance
+from llsrbm.simulation.world import FLAT, STEP, Drives, World, steps_in
 from tests.llsrbm.simulation.anymal_world import ANYMAL, JOINTS, TICK, in_the_air, world_of
 
 
@@ -50,6 +52,37 @@ def test_torques_are_limited_by_the_speed_that_they_drive(torque, speed):
     assert limit[torque != 0] == pytest.approx(expected[torque != 0], abs=1e-9)
     clipped = np.sign(torque) * np.minimum(np.abs(torque), expected)
     assert applied == pytest.approx(clipped, abs=1e-9)
+
+
+def test_less_voltage_takes_speed_and_no_torque():
+    drives, full = Drives(ANYMAL, 0), Drives(ANYMAL, 0)
+    drives.voltage = 0.8
+    torque, speed = np.full(JOINTS, 1e3), np.linspace(0, 14, JOINTS)
+    np.testing.assert_allclose(
+        drives.limited(torque, 0.8 * speed)[0], full.limited(torque, speed)[0], rtol=1e-12
+    )
+    assert (drives.limited(torque, 0 * speed)[0] == ANYMAL.file.limits.torque).all()
+
+
+def test_a_law_is_followed_in_every_step():
+    """As torques of the same law are that a controller of as many ticks sends."""
+    rng = np.random.default_rng(4)
+    target, speed, tau = rng.normal(scale=0.2, size=(3, JOINTS))
+    law = MotorCommand(
+        in_the_air()[0][7:] + target, speed, tau, np.full(JOINTS, 90.0), np.full(JOINTS, 2.0)
+    )
+    following, told = world_of(), World(ANYMAL, FLAT, Disturbance(), STEP)
+    following.reset(*in_the_air())
+    told.reset(*in_the_air())
+    for _ in range(10):
+        result = following.advance(law)
+        torques = []
+        for _ in range(steps_in(TICK)):
+            q, v = told.state()
+            torques.append(told.advance(law.torque(q[7:], v[6:])).torque)
+        assert result.torque == pytest.approx(np.mean(torques, axis=0), rel=1e-9)
+    for one, other in zip(following.state(), told.state(), strict=True):
+        assert one == pytest.approx(other, abs=1e-9)
 
 
 def test_a_joint_is_not_driven_beyond_its_speed():
