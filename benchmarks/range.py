@@ -1,6 +1,7 @@
 """The share of a robot's whole range that lands: random requests, judged strictly.
 
     python -m benchmarks.range --robots anymal,slider,go2 --requests 120 --seed 500
+    python -m benchmarks.range --requests 60 --seed 9001 --estimators truth,imu
 
 Half of the requests ask for one component alone, half for all four at once, uniform over the robot
 file's [task]. Each is planned from the analytic guess and simulated once with everything disturbed
@@ -17,6 +18,7 @@ import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict
+from itertools import chain
 from multiprocessing import get_context
 from pathlib import Path
 from typing import Annotated, Any
@@ -53,18 +55,28 @@ def requests(robot: str, count: int, seed: int) -> list[dict[str, Any]]:
     return made
 
 
-def one(request: dict[str, Any], model: str, once: bool) -> dict[str, Any]:
-    """Plan and simulate one request."""
+def one(
+    request: dict[str, Any], model: str, once: bool, estimators: tuple[str, ...] = ("truth",)
+) -> list[dict[str, Any]]:
+    """Plan one request and simulate it with each estimator."""
     motion = {name: request[name] for name in COMPONENTS if name in request}
     jump = llsrbm.Jump(robot=request["robot"], model=model, **motion)
     try:
         plan = planner_for(jump.robot, model).plan(jump, patient=not once)
     except llsrbm.NotConverged as error:
-        return {**request, "planned": False, "why": str(error)}
-    rollout = llsrbm.simulate(plan, seed=request["seed"])
+        unplanned = {**request, "planned": False, "why": str(error)}
+        return [{**unplanned, "estimator": estimator} for estimator in estimators]
+    return [simulated(request, plan, estimator) for estimator in estimators]
+
+
+def simulated(request: dict[str, Any], plan: Any, estimator: str) -> dict[str, Any]:
+    """Simulate one request's plan."""
+    jump = plan.jump
+    rollout = llsrbm.simulate(plan, seed=request["seed"], estimator=estimator)
     around = surroundings_of(rollout, load_robot(jump.robot))
     return {
         **request,
+        "estimator": estimator,
         "planned": True,
         "moved": bool(around.in_mid_flight),
         "iterations": plan.report.iterations,
@@ -129,18 +141,23 @@ def turn_deg(planned: np.ndarray, simulated: np.ndarray) -> list[float]:
 
 
 def table(results: list[dict[str, Any]]) -> Iterator[str]:
-    """One row a robot and kind."""
+    """One row a robot, estimator and kind."""
     yield (
-        f"{'robot':8} {'kind':14} {'requests':>8} {'offered':>8} {'stand':>6} {'strict':>6} "
-        f"{'of offered':>10} {'of all':>7} {'yaw med':>8} {'worst':>6} {'<5deg':>6} "
-        f"{'sat med':>8} {'worst':>6} {'torque':>7} {'unsolved':>8} {'moved':>6}"
+        f"{'robot':8} {'estimator':9} {'kind':14} {'requests':>8} {'offered':>8} "
+        f"{'stand':>6} {'strict':>6} {'of offered':>10} {'of all':>7} {'yaw med':>8} "
+        f"{'worst':>6} {'<5deg':>6} {'sat med':>8} {'worst':>6} {'torque':>7} "
+        f"{'unsolved':>8} {'moved':>6}"
     )
-    for robot in dict.fromkeys(r["robot"] for r in results):
+    for robot, estimator in dict.fromkeys((r["robot"], r["estimator"]) for r in results):
         for kind in (*KINDS, "all"):
-            rows = [r for r in results if r["robot"] == robot and kind in (r["kind"], "all")]
+            rows = [
+                r
+                for r in results
+                if (r["robot"], r["estimator"]) == (robot, estimator) and kind in (r["kind"], "all")
+            ]
             offered = [r for r in rows if r["planned"]]
             if not offered:
-                yield f"{robot:8} {kind:14} {len(rows):8} {0:8}"
+                yield f"{robot:8} {estimator:9} {kind:14} {len(rows):8} {0:8}"
                 continue
             yaw = np.degrees(
                 [abs(180.0 if (e := r["yaw_error_at_touchdown"]) is None else e) for r in offered]
@@ -150,8 +167,8 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
             torque = [r["torque_rms"] for r in offered if "torque_rms" in r]
             shown = f"{100 * np.median(torque):6.1f}%" if torque else f"{'-':>7}"
             yield (
-                f"{robot:8} {kind:14} {counts.requests:8} {counts.planned:8} {counts.stand:6} "
-                f"{counts.strict:6} {100 * counts.strict / counts.planned:9.1f}% "
+                f"{robot:8} {estimator:9} {kind:14} {counts.requests:8} {counts.planned:8} "
+                f"{counts.stand:6} {counts.strict:6} {100 * counts.strict / counts.planned:9.1f}% "
                 f"{100 * counts.strict / counts.requests:6.1f}% "
                 f"{np.median(yaw):8.1f} {yaw.max():6.1f} {100 * np.mean(yaw <= 5):5.0f}% "
                 f"{np.median(saturated):7.1f}% {saturated.max():5.1f}% {shown} "
@@ -169,7 +186,7 @@ def describe(result: dict[str, Any]) -> str:
         for name in COMPONENTS
         if name in result
     )
-    head = f"{result['robot']:7} {result['seed']:8} {motion:60}"
+    head = f"{result['robot']:7} {result['estimator']:6} {result['seed']:8} {motion:60}"
     if not result["planned"]:
         return f"{head} not planned: {result['why'][:150]}"
     phase, joint, share = max(result["saturated"], key=lambda item: item[2])
@@ -188,7 +205,7 @@ def describe(result: dict[str, Any]) -> str:
     )
 
 
-def _work(item: tuple[dict[str, Any], str, bool]) -> dict[str, Any]:
+def _work(item: tuple[dict[str, Any], str, bool, tuple[str, ...]]) -> list[dict[str, Any]]:
     return one(*item)
 
 
@@ -197,6 +214,7 @@ def main(
     count: Annotated[int, typer.Option("--requests", help="A robot.")] = 120,
     seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 500,
     model: str = "llsrbm-plus",
+    estimators: Annotated[str, typer.Option(help="Names; each simulates every plan.")] = "truth",
     once: Annotated[bool, typer.Option("--once", help="No search for nearer jumps.")] = False,
     jobs: int = 2,
     failures: Annotated[bool, typer.Option(help="Only lines of failures.")] = False,
@@ -204,13 +222,13 @@ def main(
 ) -> None:
     """Print a line a request, then the table."""
     work = [
-        (request, model, once)
+        (request, model, once, tuple(estimators.split(",")))
         for robot in robots.split(",")
         for request in requests(robot, count, seed)
     ]
     results = []
     with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        for result in pool.map(_work, work, chunksize=4):
+        for result in chain.from_iterable(pool.map(_work, work, chunksize=4)):
             results.append(result)
             if not (failures and result.get("strict")):
                 print(describe(result), flush=True)

@@ -30,11 +30,23 @@ from llsrbm.mechanics import GRAVITY, skew
 Array = NDArray[np.float64]
 Feet = NDArray[np.bool_]
 
-# Places in the error: attitude, velocity, position, biases; feet follow.
-R, V, P, BG, BA, FEET = (slice(3 * k, 3 * k + 3) for k in range(6))
-FIRST_FOOT = FEET.start
+# Places in the error, of attitude, velocity, position, biases; feet follow.
+TURN, SPEED, PLACE, GYRO_BIAS, ACCELERATION_BIAS, _FEET = (
+    slice(3 * k, 3 * k + 3) for k in range(6)
+)
+FIRST_FOOT = _FEET.start
 _GRAVITY = np.array([0.0, 0.0, -GRAVITY])
 _SKEW_GRAVITY = skew(_GRAVITY)
+_EACH = np.arange(3)
+_AXES_OF_PLACE = PLACE.start + _EACH
+# v @ _SKEWS, as a 3 x 3 matrix, times w is v x w.
+_SKEWS = skew(np.eye(3)).reshape(3, 9)
+
+
+def _skew(vectors: Array) -> Array:
+    """(3 K, 3): skew matrices of (K, 3), one below the other."""
+    rows: Array = (vectors @ _SKEWS).reshape(-1, 3)
+    return rows
 
 
 class InvariantFilter:
@@ -44,7 +56,8 @@ class InvariantFilter:
         R_world_base: (3, 3); velocity, position: (3,) m/s, m of the base's origin, world frame.
         gyro_bias, acceleration_bias: (3,) rad/s, m/s2, base frame.
         feet: (L, 3) m, world frame: middles of those that stand.
-        covariance: (n, n) of the error, in the order of `R`, `V`, `P`, `BG`, `BA`, feet.
+        covariance: (n, n) of the error: `TURN`, `SPEED`, `PLACE`, `GYRO_BIAS`, `ACCELERATION_BIAS`
+            and the feet, three of each.
     """
 
     def __init__(self, legs: int) -> None:
@@ -83,17 +96,16 @@ class InvariantFilter:
         attitude, F = self.R_world_base, self._transition
         # How a turn of the estimate, by the gyroscope's error, moves what is in the world.
         turned = self._turned
-        turned[R] = attitude
-        vectors = np.vstack([self.velocity, self.position, self.feet])
-        arms = (skew(vectors) @ attitude).reshape(-1, 3)
-        turned[V], turned[P], turned[FIRST_FOOT:] = arms[:3], arms[3:6], arms[6:]
-        F[:, BG] = -dt * turned
-        F[BG, BG] = np.eye(3)
-        F[V, R], F[P, R] = dt * _SKEW_GRAVITY, (dt * dt / 2) * _SKEW_GRAVITY
-        F[V, BA], F[P, V] = -dt * attitude, dt * np.eye(3)
+        turned[TURN] = attitude
+        arms = _skew(np.vstack([self.velocity, self.position, self.feet])) @ attitude
+        turned[SPEED.start : GYRO_BIAS.start], turned[FIRST_FOOT:] = arms[:6], arms[6:]
+        F[:, GYRO_BIAS] = -dt * turned
+        F[GYRO_BIAS, GYRO_BIAS] = np.eye(3)
+        F[SPEED, TURN], F[PLACE, TURN] = dt * _SKEW_GRAVITY, (dt * dt / 2) * _SKEW_GRAVITY
+        F[SPEED, ACCELERATION_BIAS], F[PLACE, SPEED] = -dt * attitude, dt * np.eye(3)
         covariance = F @ self.covariance @ F.T
-        covariance += (dt * noise[0]) * (turned @ turned.T)
-        covariance.flat[:: len(noise) + 1] += dt * np.where(np.arange(len(noise)) < 3, 0.0, noise)
+        covariance += (dt * noise[0]) * (turned @ turned.T)  # attitude's, and what turns with it
+        covariance.flat[SPEED.start * (len(noise) + 1) :: len(noise) + 1] += dt * noise[3:]
         self.covariance = covariance
 
     def plant(self, foot: int, place: Array, variance: float) -> None:
@@ -101,8 +113,8 @@ class InvariantFilter:
         at = slice(FIRST_FOOT + 3 * foot, FIRST_FOOT + 3 * foot + 3)
         self.feet[foot] = self.position + self.R_world_base @ place
         self.covariance[at], self.covariance[:, at] = 0.0, 0.0
-        self.covariance[at] = self.covariance[P]
-        self.covariance[:, at] = self.covariance[:, P]
+        self.covariance[at] = self.covariance[PLACE]
+        self.covariance[:, at] = self.covariance[:, PLACE]
         self.covariance[at, at] += variance * np.eye(3)
 
     def lift(self, foot: int) -> None:
@@ -119,11 +131,14 @@ class InvariantFilter:
     def surprise(self, innovation: Array, variance: float) -> Array:
         """(L,) squared innovations (L, 3) in units of what is expected, each foot by itself."""
         C, legs = self.covariance, len(innovation)
-        squares = np.empty(legs)
-        for i in range(legs):
-            at = slice(FIRST_FOOT + 3 * i, FIRST_FOOT + 3 * i + 3)
-            S = C[P, P] + C[at, at] - C[P, at] - C[at, P] + variance * np.eye(3)
-            squares[i] = innovation[i] @ np.linalg.solve(S, innovation[i])
+        blocks = C[FIRST_FOOT:, FIRST_FOOT:].reshape(legs, 3, legs, 3)
+        own = np.arange(legs)
+        across = C[PLACE, FIRST_FOOT:].reshape(3, legs, 3).transpose(1, 0, 2)
+        S = C[PLACE, PLACE] + blocks[own, :, own] - across - across.transpose(0, 2, 1)
+        S[:, _EACH, _EACH] += variance
+        squares: Array = (innovation * np.linalg.solve(S, innovation[..., None])[..., 0]).sum(
+            axis=1
+        )
         return squares
 
     def correct(self, stands: Feet, innovation: Array, variance: float) -> None:
@@ -131,10 +146,11 @@ class InvariantFilter:
         feet = np.flatnonzero(stands)
         if not len(feet):
             return
-        rows = (FIRST_FOOT + 3 * feet[:, None] + np.arange(3)).ravel()
+        rows = (FIRST_FOOT + 3 * feet[:, None] + _EACH).ravel()
+        base = np.concatenate([_AXES_OF_PLACE] * len(feet))
         C = self.covariance
-        across = np.tile(C[:, P], len(feet)) - C[:, rows]  # C H^T
-        S = across[P][np.tile(np.arange(3), len(feet))] - across[rows]
+        across = C[:, base] - C[:, rows]  # C H^T
+        S = across[base] - across[rows]
         S.flat[:: len(rows) + 1] += variance
         _, gain, failed = dposv(S, across.T)
         if failed:
@@ -145,11 +161,11 @@ class InvariantFilter:
 
     def _move(self, by: Array) -> None:
         """X <- exp(by) X, and biases by their part of it, (n,)."""
-        turn: Array = pin.exp3(by[R])
-        spread: Array = pin.Jexp3(-by[R])  # the left Jacobian
+        turn: Array = pin.exp3(by[TURN])
+        spread: Array = pin.Jexp3(-by[TURN])  # the left Jacobian
         self.R_world_base = turn @ self.R_world_base
-        self.velocity = turn @ self.velocity + spread @ by[V]
-        self.position = turn @ self.position + spread @ by[P]
+        self.velocity = turn @ self.velocity + spread @ by[SPEED]
+        self.position = turn @ self.position + spread @ by[PLACE]
         self.feet = self.feet @ turn.T + by[FIRST_FOOT:].reshape(-1, 3) @ spread.T
-        self.gyro_bias = self.gyro_bias + by[BG]
-        self.acceleration_bias = self.acceleration_bias + by[BA]
+        self.gyro_bias = self.gyro_bias + by[GYRO_BIAS]
+        self.acceleration_bias = self.acceleration_bias + by[ACCELERATION_BIAS]

@@ -25,7 +25,14 @@ from numpy.typing import NDArray
 
 from llsrbm.control.readings import Readings
 from llsrbm.estimation.foot_kinematics import FootKinematics
-from llsrbm.estimation.invariant_filter import BA, BG, FIRST_FOOT, P, R, V, InvariantFilter
+from llsrbm.estimation.invariant_filter import (
+    ACCELERATION_BIAS,
+    FIRST_FOOT,
+    GYRO_BIAS,
+    SPEED,
+    TURN,
+    InvariantFilter,
+)
 from llsrbm.mechanics import cross, yaw
 from llsrbm.robots import Robot
 
@@ -35,13 +42,15 @@ Feet = NDArray[np.bool_]
 # Standard deviations of what the filter believes; it is told nothing of the simulation.
 _TILT, _VELOCITY = 0.01, 0.05  # rad, m/s: as it begins
 _BIASES = 0.005, 0.05  # rad/s, m/s2, likewise
-_GYRO, _ACCELERATION = 5e-4, 0.01  # rad/s, m/s2 over Hz^0.5: a unit's, and what shakes it
+_GYRO, _ACCELERATION = 5e-4, 0.005  # rad/s, m/s2 over Hz^0.5: a unit's, and what shakes it
 _GYRO_SCALE = 0.003 * 0.3  # share of the rate, s^0.5: a scale that is wrong for a flight's length
 _WALKS = 1e-4, 1e-3  # rad/s^1.5, m/s^2.5, of the biases
-_CREEP = 0.005  # m/s^0.5: of a foot that stands: ground and rubber that give way
-_PLACE = 0.001  # m: of a foot in the base, by encoders and their zeros
+_CREEP = 0.001  # m/s^0.5: of a foot that stands: ground and rubber that give way
+_SETTLES = 0.05  # s: sooner after a landing feet slide and sink by centimetres a second
+_PLACE = 0.002  # m: of a foot in the base, by encoders and their zeros
 _MOVED = 30.0  # squared standard deviations by which a foot that stands does not err
 _UP = np.array([0.0, 0.0, 1.0])
+_BOTH_BIASES = slice(GYRO_BIAS.start, ACCELERATION_BIAS.stop)
 
 
 class StateEstimator:
@@ -59,23 +68,24 @@ class StateEstimator:
         R_start = pin.Quaternion(q0[3:7]).toRotationMatrix()
         self._feet_start = q0[:3] + self.feet.position @ R_start.T
         self._q = q0.copy()
-        self._stood: Feet = np.zeros(len(robot.legs), dtype=bool)
+        self._planted: Feet = np.zeros(len(robot.legs), dtype=bool)
+        self._stands_since = np.full(len(robot.legs), np.nan)  # s; nan: it does not
         self._time: float | None = None
         self._noise = np.zeros(len(self.filter.covariance))
-        self._biases_known = False
+        self._begins = True
 
     def restart(self) -> None:
-        """The next readings are of `q0` again; biases stay as they are known."""
-        self._time = None
+        """The next readings are of `q0` again, perhaps moving; biases stay as they are known."""
+        self._begins = True
 
     def update(self, readings: Readings, standing: Feet) -> tuple[Array, Array]:
         """The estimate at the time of the readings; `standing`: (L,), see above."""
         self.feet.update(readings.q, readings.dq)
-        if self._time is None:
+        if self._begins or self._time is None:
             self._begin(readings, standing)
         else:
             self._go_on(readings, readings.time - self._time, standing)
-        self._time, self._stood = readings.time, standing.copy()
+        self._begins, self._time = False, readings.time
         return self._estimate(readings)
 
     def _begin(self, readings: Readings, standing: Feet) -> None:
@@ -90,16 +100,17 @@ class StateEstimator:
         rate = readings.gyro - belief.gyro_bias
         moving = self._rolling(rate) - self._swept(rate) @ attitude.T
         belief.velocity = moving[stands].mean(axis=0)
-        variances = np.zeros(len(self._noise))
-        variances[R], variances[V] = [_TILT**2, _TILT**2, 0.0], _VELOCITY**2
-        if self._biases_known:
-            biases = belief.covariance[BG.start : BA.stop, BG.start : BA.stop].copy()
-        else:
+        if self._time is None:
             biases = np.diag(np.repeat(np.square(_BIASES), 3))
+        else:
+            biases = belief.covariance[_BOTH_BIASES, _BOTH_BIASES]
+        variances = np.zeros(len(self._noise))
+        variances[TURN], variances[SPEED] = [_TILT**2, _TILT**2, 0.0], _VELOCITY**2
         belief.covariance = np.diag(variances)
-        belief.covariance[BG.start : BA.stop, BG.start : BA.stop] = biases
-        self._biases_known = True
-        for foot in np.flatnonzero(standing):
+        belief.covariance[_BOTH_BIASES, _BOTH_BIASES] = biases
+        self._planted = standing.copy()
+        self._stands_since = np.where(standing, -np.inf, np.nan)
+        for foot in np.flatnonzero(standing).tolist():
             belief.plant(foot, feet.position[foot], _PLACE**2)
 
     def _go_on(self, readings: Readings, dt: float, standing: Feet) -> None:
@@ -110,29 +121,31 @@ class StateEstimator:
             readings.gyro,
             readings.acceleration,
             self._rolling(rate),
-            self._noise_of(rate, standing),
+            self._noise_of(rate),
         )
-        for foot in np.flatnonzero(self._stood & ~standing):
+        planted, now = self._planted, readings.time
+        since = np.where(np.isnan(self._stands_since), now, self._stands_since)
+        self._stands_since = np.where(standing, since, np.nan)
+        settled = self._stands_since < now - _SETTLES
+        for foot in np.flatnonzero(planted & ~settled).tolist():
             belief.lift(foot)
-        for foot in np.flatnonzero(standing & ~self._stood):
+        known = planted & settled
+        moved = known
+        if known.any():
+            innovation = belief.innovation(feet.position)
+            moved = known & (belief.surprise(innovation, _PLACE**2) > _MOVED)
+            belief.correct(known & ~moved, innovation, _PLACE**2)
+        for foot in np.flatnonzero(moved | (settled & ~planted)).tolist():
             belief.plant(foot, feet.position[foot], _PLACE**2)
-        known = standing & self._stood
-        if not known.any():
-            return
-        innovation = belief.innovation(feet.position)
-        moved = known & (belief.surprise(innovation, _PLACE**2) > _MOVED)
-        belief.correct(known & ~moved, innovation, _PLACE**2)
-        for foot in np.flatnonzero(moved):
-            belief.plant(foot, feet.position[foot], _PLACE**2)
+        self._planted = settled
 
-    def _noise_of(self, rate: Array, standing: Feet) -> Array:
+    def _noise_of(self, rate: Array) -> Array:
         """(n,) variances a second: see `InvariantFilter.propagate`."""
-        noise, feet = self._noise, self.feet
-        noise[R] = _GYRO**2 + _GYRO_SCALE**2 * rate.dot(rate)
-        noise[V] = _ACCELERATION**2
-        noise[BG], noise[BA] = np.square(_WALKS)
-        creep = np.full(len(standing), _CREEP**2)
-        noise[FIRST_FOOT:] = np.where(standing, creep, 0.0).repeat(3)
+        noise = self._noise
+        noise[TURN] = _GYRO**2 + _GYRO_SCALE**2 * rate.dot(rate)
+        noise[SPEED] = _ACCELERATION**2
+        noise[GYRO_BIAS], noise[ACCELERATION_BIAS] = np.square(_WALKS)
+        noise[FIRST_FOOT:] = np.where(self._planted, _CREEP**2, 0.0).repeat(3)
         return noise
 
     def _swept(self, rate: Array) -> Array:

@@ -49,14 +49,14 @@ def test_the_table_of_the_range_counts_strict_landings_of_all_requests():
         "moved": False,
     }
     rows = [
-        {"robot": "r", "kind": kind, "planned": True, **figures, **outcome}
+        {"robot": "r", "estimator": "imu", "kind": kind, "planned": True, **figures, **outcome}
         for kind in requests_of.KINDS
         for outcome in (LANDED, LEANS, FELL)
     ]
-    rows.append({"robot": "r", "kind": "combined", "planned": False})
+    rows.append({"robot": "r", "estimator": "imu", "kind": "combined", "planned": False})
     *_, combined, every = requests_of.table(rows)
-    assert combined.split()[1:8] == ["combined", "4", "3", "2", "1", "33.3%", "25.0%"]
-    assert every.split()[1:8] == ["all", "7", "6", "4", "2", "33.3%", "28.6%"]
+    assert combined.split()[1:9] == ["imu", "combined", "4", "3", "2", "1", "33.3%", "25.0%"]
+    assert every.split()[1:9] == ["imu", "all", "7", "6", "4", "2", "33.3%", "28.6%"]
 
 
 def test_eighteen_of_twenty_seeds_recover_on_a_rung_that_passes():
