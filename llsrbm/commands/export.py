@@ -41,6 +41,9 @@ def export_command(
         str,
         typer.Option(metavar="A,E,D", help="Of a video: azimuth, elevation [deg], distance [m]."),
     ] = "",
+    packed: Annotated[
+        bool, typer.Option("--packed", help="With the messages of a robot's wire themselves.")
+    ] = False,
 ) -> int:
     """Write a native file, a plan's or a rollout's, in other formats.
 
@@ -50,7 +53,7 @@ def export_command(
     from llsrbm.formats import export
     from llsrbm.motion.trajectory import load
 
-    values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order}
+    values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order, "packed": packed}
     given = {name: value for name, value in values.items() if options.is_given(context, name)}
     if options.is_given(context, "size"):
         pixels = _numbers("--size", size, "x", 2)

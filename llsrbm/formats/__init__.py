@@ -143,7 +143,7 @@ def export(
             A path that ends in ".zip" gets an archive of all that is written.
         format: a name, or several, of `llsrbm formats`.
         options: of `llsrbm.formats.Options`, as far as the formats take them: `fps`, `pad`,
-            `order`, `size`, `camera`.
+            `order`, `size`, `camera`, `packed`.
 
     Raises:
         InputError: no such format, or one whose packages are missing or that takes no such option;

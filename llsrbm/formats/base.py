@@ -16,7 +16,7 @@ from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 ORDERS = ("depth-first", "breadth-first")
-_STATED = ("fps", "pad", "order")  # options that a description has
+_STATED = ("fps", "pad", "order", "packed")  # options that a description has
 _SMALLEST, _LARGEST = 32, 4096  # pixels
 _BESIDE = ".meta.json"  # after the whole name of the file that it is of
 _LARGEST_JSON = 4 * 1024**2  # bytes; ours have some ten thousand
@@ -33,6 +33,7 @@ class Options:
         size: width and height of a picture, pixels.
         camera: azimuth, elevation (deg) and distance (m) from which the robot is looked at; None:
             as the page does.
+        packed: whether the messages themselves are written beside a table of their numbers.
 
     Raises:
         InputError: an order, a size or a camera that makes no sense; rates are checked where used.
@@ -43,6 +44,7 @@ class Options:
     order: str = ORDERS[0]
     size: tuple[int, int] = (960, 540)
     camera: tuple[float, float, float] | None = None
+    packed: bool = False
 
     def __post_init__(self) -> None:
         if self.order not in ORDERS:

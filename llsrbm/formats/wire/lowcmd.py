@@ -15,7 +15,14 @@ the phase that begins, so an edge is late by less than a row.
 
 The gains are `kp` and `kd` of [wire] in the robot's file: for motors that follow the table alone,
 without a controller. The JSON file beside it has `motors` (number, joint), `family`, request, robot
-and certificate. Nobody here has run it on a robot.
+and certificate.
+
+Option `packed`: under the name with ".messages" added, one message a row, as the SDK's C structure
+lies in memory, little endian, checksum included: 812 bytes each of Go2, 1,004 of G1. Motors that
+are not there are idle in it. A G1 takes only commands with the `mode_machine` of its own LowState;
+here it is 0, so a player has to put it in and make the checksum anew.
+
+Nobody here has run it on a robot.
 """
 
 from __future__ import annotations
@@ -28,9 +35,11 @@ from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.wire.numbers import interleaved, write_numbers
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.wire.command_table import command_table
+from llsrbm.wire.command_table import CommandTable, command_table
+from llsrbm.wire.unitree import UnitreeMessages
+from llsrbm.wire.unitree_layouts import FAMILIES
 
-_FAMILIES = ("unitree_go", "unitree_hg")
+_MESSAGES = ".messages"  # after the whole name of the table
 _PARTS = ("q", "dq", "tau", "kp", "kd")  # in the message's order
 _UNITS = ("rad", "rad/s", "Nm", "Nm/rad", "Nm s/rad")
 
@@ -38,10 +47,10 @@ _UNITS = ("rad", "rad/s", "Nm", "Nm/rad", "Nm s/rad")
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     table = command_table(trajectory, options.fps, options.pad)
     motors = table.motors
-    if motors.family not in _FAMILIES:
+    if motors.family not in FAMILIES:
         raise InputError(
             f"robot {table.robot.name} has messages of family {motors.family} and no LowCmd; "
-            f"expected {' or '.join(_FAMILIES)}"
+            f"expected {' or '.join(FAMILIES)}"
         )
     columns = (
         motors.positions(table.q),
@@ -54,6 +63,8 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     rows = np.column_stack([table.time, interleaved(*(each[:, numbers] for each in columns))])
     header = ["time", *(f"{part}_{number}" for number in numbers for part in _PARTS)]
     write_numbers(path, header, rows)
+    if options.packed:
+        _write_messages(table, path.with_name(path.name + _MESSAGES))
     LOWCMD.write_beside(
         path,
         trajectory,
@@ -65,12 +76,18 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     )
 
 
+def _write_messages(table: CommandTable, path: Path) -> None:
+    messages = UnitreeMessages(table.robot)
+    packed = (messages.pack_command(table.row(k)).tobytes() for k in range(len(table.time)))
+    path.write_bytes(b"".join(packed))
+
+
 LOWCMD = Format(
     name="lowcmd",
     title="motor commands for Unitree's LowCmd: 500 rows/s of q, dq, tau, kp, kd by motor",
     suffix=".csv",
     write=_write,
     conventions=__doc__,
-    options=("fps", "pad"),
+    options=("fps", "pad", "packed"),
     defaults=Options(fps=500.0),
 )

@@ -132,7 +132,7 @@ def test_a_rate_that_makes_no_sense(format_, plan, tmp_path):
 
 
 def test_options_that_it_does_not_take(format_, plan, tmp_path):
-    given = {"fps": 10.0, "pad": 0.5, "order": "breadth-first", "size": (64, 48)}
+    given = {"fps": 10.0, "pad": 0.5, "order": "breadth-first", "size": (64, 48), "packed": True}
     for name, value in given.items():
         if name not in format_.options:
             with pytest.raises(InputError, match=f"{name}: is not for format"):

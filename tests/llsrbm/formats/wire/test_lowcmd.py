@@ -1,6 +1,7 @@
 """Tables for LowCmd, put into the messages' own layout and compared joint by joint."""
 
 import re
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -160,6 +161,52 @@ def test_g1s_held_joints_stay(tmp_path):
             )
             assert np.ptp(here["q"]) > 1e-6
     assert not commands[:, 29:].view("<f4").any()
+
+
+# The structures of Unitree's SDK as a C compiler lays them out.
+GO = "<4B4IH2x" + "B3x5f3I" * 20 + "4B55Bx2I"
+HG = "<2B2x" + "B3x5fI" * 35 + "5I"
+
+
+def checksum(message):
+    """CRC-32 over words, bit by bit: polynomial 04C11DB7, the last word left out."""
+    found = 0xFFFFFFFF
+    for word in struct.unpack(f"<{len(message) // 4 - 1}I", message[:-4]):
+        for bit in range(31, -1, -1):
+            carry = (found >> 31) ^ (word >> bit & 1)
+            found = (found << 1 & 0xFFFFFFFF) ^ (0x04C11DB7 * carry)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("robot", "form", "head", "each", "motors"),
+    [("go2", GO, 9, 9, GO2), ("g1", HG, 2, 7, G1)],
+)
+def test_packed_messages_hold_the_table(tmp_path, robot, form, head, each, motors):
+    plan = load_plan(assets_directory() / "plans" / f"{robot}.npz")
+    export(plan, tmp_path / "x.csv", format="lowcmd", fps=20, packed=True)
+    time, commands = messages(tmp_path / "x.csv", len(motors))
+    packed = (tmp_path / "x.csv.messages").read_bytes()
+    size = struct.calcsize(form)
+    assert size == {"go2": 812, "g1": 1004}[robot]
+    assert len(packed) == size * len(time)
+    for k in range(len(time)):
+        message = packed[k * size : (k + 1) * size]
+        fields = struct.unpack(form, message)
+        if robot == "go2":
+            assert fields[:3] == (0xFE, 0xEF, 0xFF)
+        for number in range(len(motors)):
+            mode, *five = fields[head + each * number : head + each * number + 6]
+            assert mode == 1
+            wanted = [float(commands[part][k, number]) for part in MOTOR.names]
+            np.testing.assert_allclose(five, wanted, rtol=1e-6, atol=1e-8)
+        assert fields[-1] == checksum(message)
+    assert beside(tmp_path / "x.csv")["packed"] is True
+
+
+def test_messages_are_packed_only_if_asked_for(tmp_path):
+    export(planned("go2", TWIST), tmp_path / "x.csv", format="lowcmd")
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["x.csv", "x.csv.meta.json"]
 
 
 @pytest.mark.parametrize(
