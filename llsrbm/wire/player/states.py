@@ -86,10 +86,11 @@ class Check(State):
             )
         lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
         beyond = np.maximum(lower - readings.q, readings.q - upper)
+        moves = np.abs(readings.dq) * self.over(readings.time)  # at last, not at first
         for off, most, words in (
             (np.abs(readings.q - first.joints), WITHIN_REACH, "rad from the plan's first posture"),
             (beyond, BEYOND_STOP, "rad beyond its stop"),
-            (np.abs(readings.dq), AT_REST, "rad/s fast"),
+            (moves, AT_REST, "rad/s fast"),
         ):
             joint = int(off.argmax())
             if off[joint] > most:
