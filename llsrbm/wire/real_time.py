@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import time as wall_clock
+from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -35,14 +36,14 @@ class Punctuality:
     Attributes:
         late: ticks that began more than a tick late; worst: by how much at most, s.
         slipped: s by which the robot's clock has slipped behind the wall's for good.
-        computing: s, of each tick's simulation and messages.
+        computing: s, of the simulation and messages of each of the last minute's ticks.
     """
 
     ticks: int = 0
     late: int = 0
     worst: float = 0.0
     slipped: float = 0.0
-    computing: list[float] = field(default_factory=list)
+    computing: deque[float] = field(default_factory=lambda: deque(maxlen=round(60.0 / TICK)))
 
 
 def run(
