@@ -70,6 +70,7 @@ class ContactSchedule:
         self.standing: Feet = self._stands[0].copy()
         self.flights: list[Flight] = []
         self.ground_shift = 0.0
+        self._loaded: Feet = self.standing
         # The plan's clock: this time of the plan was at that time.
         self._plan_time, self._at = 0.0, 0.0
         self._still = np.zeros(body.legs, dtype=np.int64)
@@ -94,6 +95,14 @@ class ContactSchedule:
     def flying(self) -> bool:
         """True if no foot stands, as far as is known."""
         return self._schedule[self.phase].is_flight
+
+    @property
+    def carrying(self) -> Feet:
+        """(L,) feet that stand and have felt load in the last ticks; a foot that bounces does not.
+
+        Before the first step off the ground all that stand are taken to.
+        """
+        return self.standing if self.phase == 0 else self.standing & self._loaded
 
     @property
     def planned(self) -> Feet:
@@ -149,7 +158,7 @@ class ContactSchedule:
         """
         if self.phase == 0:
             return
-        loaded = self._feet.update(torque)
+        self._loaded = loaded = self._feet.update(torque)
         if self.flying:
             if hit and self._feet.met_ground():
                 self._touch_down(time, loaded)

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import cross
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 
@@ -15,35 +16,26 @@ _AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
 class FootKinematics:
-    """L feet in the base's frame, as the base stood still in the origin.
+    """L feet of c balls each in the base's frame, as if the base stood still in the origin.
 
     Attributes:
-        position: (L, 3) m: middles of the balls of each foot; of a sole, of its corners.
-        velocity: (L, 3) m/s, of them.
-        angular_velocity: (L, 3) rad/s of the feet.
-        radius: m: of the balls, by which these middles are above the ground.
-        half_length: m: from a sole's middle to its corners; 0 for point feet.
+        position: (L c, 3) m: middles of the balls, one of a point foot, those at a sole's corners.
+        velocity: (L c, 3) m/s, of them.
+        angular_velocity: (L c, 3) rad/s of the feet that they belong to.
+        radius: m, of the balls.
+        points: c.
     """
 
     def __init__(self, robot: Robot) -> None:
-        model = robot.model.copy()
         contacts = foot_contacts(robot)
-        self._frames = []
-        for leg, contact in zip(robot.legs, contacts, strict=True):
-            foot, middle = model.frames[leg.foot_frame_id], contact.centres.mean(axis=0)
-            frame = pin.Frame(
-                f"{leg.foot_frame}/middle",
-                foot.parentJoint,
-                foot.placement * pin.SE3(np.eye(3), middle),
-                pin.FrameType.OP_FRAME,
-            )
-            self._frames.append(model.addFrame(frame))
-        self._model, self._data = model, model.createData()
-        self._q, self._v = pin.neutral(model), np.zeros(model.nv)
-        self.radius = contacts[0].radius
-        centres = contacts[0].centres
-        self.half_length = float(np.linalg.norm(centres - centres.mean(axis=0), axis=1).max())
-        self.position, self.velocity, self.angular_velocity = np.zeros((3, len(contacts), 3))
+        self._frames = [leg.foot_frame_id for leg in robot.legs]
+        self._centres = np.array([contact.centres for contact in contacts])
+        self._model, self._data = robot.model, robot.model.createData()
+        self._q, self._v = pin.neutral(robot.model), np.zeros(robot.model.nv)
+        self.radius, self.points = contacts[0].radius, self._centres.shape[1]
+        self.position, self.velocity, self.angular_velocity = np.zeros(
+            (3, len(contacts) * self.points, 3)
+        )
 
     def update(self, q: Array, dq: Array) -> None:
         """Take the joints' positions (J,) and speeds (J,)."""
@@ -51,6 +43,10 @@ class FootKinematics:
         self._q[7:], self._v[6:] = q, dq
         pin.forwardKinematics(model, data, self._q, self._v)
         for i, frame in enumerate(self._frames):
-            self.position[i] = pin.updateFramePlacement(model, data, frame).translation
+            foot = pin.updateFramePlacement(model, data, frame)
             motion = pin.getFrameVelocity(model, data, frame, _AXES).vector
-            self.velocity[i], self.angular_velocity[i] = motion[:3], motion[3:]
+            points = slice(i * self.points, (i + 1) * self.points)
+            arms = self._centres[i] @ foot.rotation.T
+            self.position[points] = foot.translation + arms
+            self.velocity[points] = motion[:3] + cross(motion[None, 3:], arms)
+            self.angular_velocity[points] = motion[3:]

@@ -62,17 +62,18 @@ class StateEstimator:
 
     def __init__(self, robot: Robot, q0: Array) -> None:
         self.feet = FootKinematics(robot)
-        self.filter = InvariantFilter(len(robot.legs))
+        self.filter = InvariantFilter(len(self.feet.position))
         self.feet.update(q0[7:], np.zeros(len(q0) - 7))
         self._quat_start = q0[[6, 3, 4, 5]]
         R_start = pin.Quaternion(q0[3:7]).toRotationMatrix()
         self._feet_start = q0[:3] + self.feet.position @ R_start.T
         self._q = q0.copy()
-        self._planted: Feet = np.zeros(len(robot.legs), dtype=bool)
-        self._stands_since = np.full(len(robot.legs), np.nan)  # s; nan: it does not
+        self._planted: Feet = np.zeros(len(self.feet.position), dtype=bool)
+        self._stands_since = np.full(len(self.feet.position), np.nan)  # s; nan: it does not
         self._time: float | None = None
         self._noise = np.zeros(len(self.filter.covariance))
         self._begins = True
+        self._gyro_before = np.zeros(3)
 
     def restart(self) -> None:
         """The next readings are of `q0` again, perhaps moving; biases stay as they are known."""
@@ -81,10 +82,13 @@ class StateEstimator:
     def update(self, readings: Readings, standing: Feet) -> tuple[Array, Array]:
         """The estimate at the time of the readings; `standing`: (L,), see above."""
         self.feet.update(readings.q, readings.dq)
+        standing = standing.repeat(self.feet.points)
         if self._begins or self._time is None:
             self._begin(readings, standing)
         else:
             self._go_on(readings, readings.time - self._time, standing)
+        if self._begins:
+            self._gyro_before = readings.gyro
         self._begins, self._time = False, readings.time
         return self._estimate(readings)
 
@@ -149,15 +153,19 @@ class StateEstimator:
         return noise
 
     def _swept(self, rate: Array) -> Array:
-        """(L, 3) m/s, base frame: the feet's middles by joints and by the base's turning."""
+        """(L c, 3) m/s, base frame: the balls' middles by joints and by the base's turning."""
         return self.feet.velocity + cross(rate[None], self.feet.position)
 
     def _rolling(self, rate: Array) -> Array:
-        """(L, 3) m/s, world frame: of the middles of balls that roll."""
-        if self.feet.half_length > 0:
-            return np.zeros_like(self.feet.position)
+        """(L c, 3) m/s, world frame: of the middles of balls that roll."""
         turning = (self.feet.angular_velocity + rate) @ self.filter.R_world_base.T
         return cross(turning, self.feet.radius * _UP[None])
+
+    def _rate_now(self, gyro: Array) -> Array:
+        """(3,) rad/s as the tick ends, of means over ticks: on half the way that they changed."""
+        now: Array = gyro + (gyro - self._gyro_before) / 2
+        self._gyro_before = gyro
+        return now
 
     def _estimate(self, readings: Readings) -> tuple[Array, Array]:
         belief = self.filter
@@ -168,7 +176,7 @@ class StateEstimator:
         v = np.concatenate(
             [
                 belief.R_world_base.T @ belief.velocity,
-                readings.gyro - belief.gyro_bias,
+                self._rate_now(readings.gyro) - belief.gyro_bias,
                 readings.dq,
             ]
         )

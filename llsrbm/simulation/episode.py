@@ -243,7 +243,7 @@ class Episode:
         """One tick from `time`, s, on, after that of `last`; None when the simulation diverged."""
         world, controller, recorder = self._world, self._controller, self._recorder
         state, mujoco_state = world.state(), (world.qpos, world.qvel)
-        standing = controller.contacts.standing
+        standing = controller.contacts.carrying
         measurement = self._sensors.measure(time, state, last, standing)
         situation = Situation(time, measurement, controller, world, self.replans)
         for hook in self._hooks:

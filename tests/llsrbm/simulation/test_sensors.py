@@ -21,6 +21,8 @@ ROBOT = load_robot("anymal")
 TICK = 1 / 400
 JOINTS = 12
 AIR = TickResult.unknown(4, JOINTS)
+GROUND = replace(AIR, contact=np.ones(4, dtype=bool))
+STANDING = np.ones(4, dtype=bool)
 
 
 def sensors(disturbance=None, tick=TICK, **scenario):
@@ -36,7 +38,7 @@ def test_the_truth_is_measured_at_once():
     rng, measuring = np.random.default_rng(0), sensors()
     for k in range(5):
         q, v = state(rng)
-        measured = measuring.measure(k * TICK, (q, v), AIR)
+        measured = measuring.measure(k * TICK, (q, v), AIR, STANDING)
         assert measured.time == k * TICK
         assert measured.q.tolist() == q.tolist()
         assert measured.v.tolist() == v.tolist()
@@ -48,7 +50,7 @@ def test_noise_is_white_and_the_seeds():
     world = Disturbance(base_velocity_noise=0.1, joint_velocity_noise=0.2)
     q, v = state(np.random.default_rng(1))
     measuring = sensors(world, seed=5)
-    noise = np.array([measuring.measure(0, (q, v), AIR).v - v for _ in range(200)])
+    noise = np.array([measuring.measure(0, (q, v), AIR, STANDING).v - v for _ in range(200)])
     scale = np.r_[np.full(6, 0.1), np.full(12, 0.2)]
     expected = np.random.default_rng([5, 1]).standard_normal((200, 18)) * scale
     np.testing.assert_allclose(noise, expected, atol=1e-15)
@@ -58,13 +60,13 @@ class Run:
     """What `drift` makes of a robot that stands, then flies: errors over K ticks."""
 
     def __init__(self, seed, *, flying, ticks=400, tick=TICK):
-        estimator = Drift(tick, seed)
+        estimator, last = Drift(ROBOT, tick, seed), AIR if flying else GROUND
         q, v = state(np.random.default_rng(seed))
         q[3:7] = [0, 0, np.sin(seed), np.cos(seed)]  # upright, with any heading
         R = pin.Quaternion(q[3:7]).toRotationMatrix()
         place, speed, turn, joints = [], [], [], []
         for _ in range(ticks):
-            eq, ev = estimator.estimate(q, v, touching=not flying)
+            eq, ev, _ = estimator.estimate(0.0, (q, v), last, STANDING)
             place.append(eq[:3] - q[:3])
             speed.append(R @ (ev - v)[:3])
             turn.append(pin.Quaternion(eq[3:7]).toRotationMatrix() @ R.T)
@@ -124,7 +126,7 @@ def test_an_estimate_comes_late():
     states = [state(rng) for _ in range(8)]
     results = [np.full(JOINTS, float(k)) for k in range(8)]
     for k, each in enumerate(states):
-        measured = measuring.measure(k / 1000, each, replace(AIR, torque=results[k]))
+        measured = measuring.measure(k / 1000, each, replace(AIR, torque=results[k]), STANDING)
         then = max(0, k - late)
         assert measured.time == k / 1000
         np.testing.assert_array_equal(measured.q[7:], states[then][0][7:])
@@ -133,13 +135,47 @@ def test_an_estimate_comes_late():
 
 def test_an_unknown_estimator_is_refused():
     assert next(iter(ESTIMATORS)) == Scenario.estimator
-    with pytest.raises(InputError, match=r'no estimator "nosuch"; .*truth, drift'):
+    with pytest.raises(InputError, match=r'no estimator "nosuch"; .*truth, drift, imu'):
         sensors(estimator="nosuch")
 
 
-def test_a_jump_lands_with_an_estimators_errors():
+def test_the_robots_own_sensors_have_the_noise_of_their_own_alone():
+    noisy = Disturbance(base_velocity_noise=0.5, joint_velocity_noise=0.5)
+    still = ROBOT.posture, np.zeros(18)
+    one, other = (
+        sensors(world, seed=4, estimator="imu").measure(0.0, still, None, STANDING)
+        for world in (Disturbance(), noisy)
+    )
+    np.testing.assert_array_equal(one.v, other.v)
+    assert 0.005 < one.v[6:].std() < 0.05
+    assert np.linalg.norm(one.v[:3]) < 0.03
+    assert one.torque.any()
+
+
+def test_a_robot_that_moves_at_first_is_estimated_to():
+    running = ROBOT.posture, np.zeros(18)
+    rate = np.zeros(18)
+    rate[0] = 0.4
+    # Feet at rest: each leg's joints take back what the base does.
+    model, data = ROBOT.model, ROBOT.model.createData()
+    pin.computeJointJacobians(model, data, running[0])
+    pin.updateFramePlacements(model, data)
+    rows = np.vstack(
+        [
+            pin.getFrameJacobian(model, data, leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED)[:3]
+            for leg in ROBOT.legs
+        ]
+    )
+    rate[6:] = -np.linalg.lstsq(rows[:, 6:], rows[:, :6] @ rate[:6])[0]
+    measured = sensors(seed=2, estimator="imu").measure(0.0, (running[0], rate), None, STANDING)
+    assert measured.v[0] == pytest.approx(0.4, abs=0.04)  # less or more as the balls roll
+    np.testing.assert_allclose(measured.v[1:6], 0, atol=0.04)
+
+
+@pytest.mark.parametrize("estimator", ["drift", "imu"])
+def test_a_jump_lands_with_an_estimators_errors(estimator):
     plan = solved("llsrbm-plus", "forward").plan
-    rollout = simulate(plan, ROBOT, Scenario(seed=3, estimator="drift"))
+    rollout = simulate(plan, ROBOT, Scenario(seed=3, estimator=estimator))
     assert rollout.landed, rollout.outcome
     assert tilt(rollout.base_quat)[-1] < np.radians(2)
     assert abs(yaw(rollout.base_quat)[-1]) < np.radians(5)
