@@ -79,7 +79,7 @@ def contact_torques(motion: WholeBodyMotion) -> Array:
     for k, q in enumerate(pinocchio_states(motion.qpos, motion.qvel)[0]):
         pin.computeJointJacobians(model, data, q)
         pin.updateFramePlacements(model, data)
-        for leg, force in zip(robot.legs, forces[k] * motion.contact[k, :, None], strict=True):
+        for leg, force in zip(robot.legs, forces[k], strict=True):
             frame, axes = leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED
             torques[k] -= pin.getFrameJacobian(model, data, frame, axes)[:3].T @ force
     return torques[:, 6:]

@@ -71,7 +71,9 @@ def test_packages_that_are_missing(saved, picture, tmp_path, capfd, monkeypatch)
     assert 'a picture (not installed: pip install "llsrbm[pictures]")' in line
 
 
-@pytest.mark.parametrize("option", [("--pad", "1"), ("--order", "depth-first"), ("--size", "2x2")])
+@pytest.mark.parametrize(
+    "option", [("--packed",), ("--pad", "1"), ("--order", "depth-first"), ("--size", "2x2")]
+)
 def test_an_option_that_the_format_does_not_take(saved, tmp_path, capfd, option):
     said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "csv", *option)
     assert f'{option[0][2:]}: is not for format "csv"; its options are fps' in said

@@ -39,7 +39,7 @@ def motion(kind, tmp_path_factory):
     return loaded(path)
 
 
-def test_rows_are_the_robots_states(motion, tmp_path):
+def test_rows_are_the_robots_states(tmp_path):
     rollout = simulated("solo12", TWIST)
     export(rollout, tmp_path / "x.csv", format="opt-mimic-csv", fps=rate_of("solo12"))
     motion, ticks = loaded(tmp_path / "x.csv"), np.arange(0, len(rollout.time), 2)
