@@ -44,30 +44,16 @@ class ClosedLoop(Tier):
         self._estimator = StateEstimator(robot, self.first.q)
         self.tick: Tick | None = None  # the controller's last decision
         self._unsolved = 0
-        self._rate: Array | None = None  # (3,) rad/s of the reading before
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
         """See `Tier`."""
-        self.estimate = q, v = self._estimated(readings)
+        self.estimate = q, v = self._estimator.update(readings, self.controller.contacts.carrying)
         self.tick = tick = self.controller.step(Measurement(time, q, v, readings.torque))
         solved = tick.command
         self._unsolved = 0 if solved.solved else self._unsolved + 1
         # What a joint should have reached once the motor follows.
         speed = v[6:] + PERIOD * solved.acceleration[6:]
         return replace(MotorCommand.of_torque(solved.torque), dq=speed, kd=self._kd)
-
-    def _estimated(self, readings: Readings) -> tuple[Array, Array]:
-        """The state as the tick begins.
-
-        Gyroscopes give means over the tick that ended, half a tick old. G1's flight of 500 deg/s
-        looks like a contact by that alone, so the change over half a tick is added.
-        """
-        q, v = self._estimator.update(readings, self.controller.contacts.standing)
-        rate = v[3:6].copy()
-        if self._rate is not None:
-            v[3:6] += (rate - self._rate) / 2
-        self._rate = rate
-        return q, v
 
     def planned(self, time: float) -> Planned:
         """See `Tier`."""
