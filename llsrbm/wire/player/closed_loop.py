@@ -47,7 +47,7 @@ class ClosedLoop(Tier):
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
         """See `Tier`."""
-        self.estimate = q, v = self._estimator.update(readings, self.controller.contacts.standing)
+        self.estimate = q, v = self._estimator.update(readings, self.controller.contacts.carrying)
         self.tick = tick = self.controller.step(Measurement(time, q, v, readings.torque))
         solved = tick.command
         self._unsolved = 0 if solved.solved else self._unsolved + 1

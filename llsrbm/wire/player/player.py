@@ -87,6 +87,7 @@ class Player:
         heard = self._clock()
         while True:
             readings, now = self._newest(), self._clock()
+            self._deadlines.awake(now)
             if readings is None:
                 reason = self._asked or _silence(state, now - heard)
                 if reason:
@@ -97,6 +98,7 @@ class Player:
                 state = self._begun(Check(self._tier, readings.time))
             reason = self._asked or state.wrong(readings) or self._stopped(state, readings, now)
             if reason:
+                self.log.add(state.name, now, 0.0, readings, None, None)
                 return Ended(reason, state.name, now)
             if state.over(readings.time):
                 following = state.following(readings.time)

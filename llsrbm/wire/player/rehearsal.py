@@ -24,7 +24,7 @@ def first_commands(
     Raises `InputError`: no such tier, or the robot cannot stand as the plan begins.
     """
     made = make_tier(tier, plan, robot)
-    times = np.arange(-_STANDS, (count - 0.5) * PERIOD, PERIOD)
+    times = PERIOD * np.arange(-round(_STANDS / PERIOD), count)
     commands = [(t, made.command(t, _at_rest(made, t))) for t in times.tolist()]
     return commands[-count:]
 

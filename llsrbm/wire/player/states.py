@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.wire.player.posture import Planned, brake, gains, up_of_quat
-from llsrbm.wire.player.stops import tilt_from
+from llsrbm.wire.player.round_trip import RoundTrip
+from llsrbm.wire.player.stops import LATE, tilt_from
 from llsrbm.wire.player.tier import Tier
 
 Array = NDArray[np.float64]
@@ -85,10 +86,11 @@ class Check(State):
             )
         lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
         beyond = np.maximum(lower - readings.q, readings.q - upper)
+        moves = np.abs(readings.dq) * self.over(readings.time)  # at last, not at first
         for off, most, words in (
             (np.abs(readings.q - first.joints), WITHIN_REACH, "rad from the plan's first posture"),
             (beyond, BEYOND_STOP, "rad beyond its stop"),
-            (np.abs(readings.dq), AT_REST, "rad/s fast"),
+            (moves, AT_REST, "rad/s fast"),
         ):
             joint = int(off.argmax())
             if off[joint] > most:
@@ -108,7 +110,8 @@ class Check(State):
 class Ramp(State):
     """Brings the joints into the plan's first posture, smoothly, and lets them bear the weight.
 
-    It begins with the posture and the torques that are there, so nothing moves at once.
+    It begins with the posture and the torques that are there, so nothing moves at once. On the way
+    it probes how late commands are followed.
     """
 
     name = "ramp"
@@ -119,6 +122,7 @@ class Ramp(State):
         self._from: Array | None = None
         self._bears = np.zeros(len(tier.robot.joint_names))
         self._gains = gains(tier.robot)
+        self._round_trip = RoundTrip(tier.robot)
         self.duration = LEAST_RAMP
         self._planned = tier.first.planned
 
@@ -134,7 +138,21 @@ class Ramp(State):
         q = self._from + share * way
         self._planned = Planned(q, self._planned.up)
         torque = (1 - share) * self._bears + share * first.torque
-        return MotorCommand(q, rate * way, torque, *self._gains)
+        torque = torque + self._round_trip.probe(readings.time - self.start)
+        command = MotorCommand(q, rate * way, torque, *self._gains)
+        self._round_trip.read(readings)
+        self._round_trip.sent(command)
+        return command
+
+    def wrong(self, readings: Readings) -> str:
+        """See `State`."""
+        delay = self._round_trip.delay
+        if not self.over(readings.time) or delay <= LATE:
+            return ""
+        return (
+            f"late: the drives follow commands after {1e3 * delay:.0f} ms, at most "
+            f"{1e3 * LATE:.0f} are allowed"
+        )
 
     def planned(self, readings: Readings) -> Planned:
         """See `State`."""

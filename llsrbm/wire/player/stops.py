@@ -25,9 +25,10 @@ TILTED = np.radians(45.0)  # from the planned attitude; beyond it no landing is 
 # rad (m): a joint that far from the plan's, for so long, s, is not on its way there. Feet that land
 # early or late are off by less.
 ASTRAY, ASTRAY_FOR = 0.8, 0.03
-LATE, LATE_FOR = 0.01, 0.01  # s by which readings are later than the first ones were, for how long
-# Commands that were not sent within a period of their reading, of the last so many; and s between
-# two of them.
+# s by which readings are later than the first ones were, or commands are followed; for how long.
+LATE, LATE_FOR = 0.01, 0.01
+# Commands that were not sent within a period of their reading, of the last so many; and s in which
+# the player itself did nothing.
 MISSED, LAST_SENT, PAUSED = 10, 50, 0.02
 # Share of a drive's torque by which it differs from every command under way, and for how long, s.
 IDLE, IDLE_FOR = 0.08, 0.04
@@ -145,20 +146,23 @@ class MissedDeadlines(Stop):
     def __init__(self) -> None:
         self._missed: deque[bool] = deque(maxlen=LAST_SENT)
         self._pause = 0.0
-        self._sent_at: float | None = None
+        self._awake: float | None = None
+
+    def awake(self, now: float) -> None:
+        """Take note that the player runs: once a period, with or without a reading."""
+        if self._awake is not None:
+            self._pause = now - self._awake
+        self._awake = now
 
     def sent(self, received: float, now: float) -> None:
         """Take note of a command that was sent at `now` for a reading of `received`, s."""
         self._missed.append(now - received > PERIOD)
-        if self._sent_at is not None:
-            self._pause = now - self._sent_at
-        self._sent_at = now
 
     def find(self, moment: Moment) -> str:
         """See `Stop`."""
         if self._pause > PAUSED:
             return (
-                f"deadlines: {1e3 * self._pause:.0f} ms passed between two commands, at most "
+                f"deadlines: the player stood still for {1e3 * self._pause:.0f} ms, at most "
                 f"{1e3 * PAUSED:.0f} are allowed"
             )
         missed = sum(self._missed)

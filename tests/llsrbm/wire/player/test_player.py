@@ -1,0 +1,83 @@
+"""A plan from check to damp, in lock-step."""
+
+import numpy as np
+import pytest
+
+from llsrbm.wire.played import play
+from llsrbm.wire.player.posture import FirstPosture, gains
+from llsrbm.wire.player.states import LEAST_RAMP
+from tests.llsrbm.wire.player.stages import GO2, Stage, is_brake, stored_plan
+
+
+@pytest.mark.parametrize("tier", ["table", "closed-loop"])
+def test_a_plan_is_played_to_its_end(tier):
+    played = play(stored_plan(), GO2, tier, seed=4)
+    assert played.ended.reason == ""
+    assert played.ended.line == "played to the end, then damped"
+    outcome = played.rollout.outcome
+    assert outcome.strict, outcome
+    assert abs(np.degrees(outcome.final_yaw_error)) < 5
+    assert played.rollout.time[-1] == pytest.approx(stored_plan().duration + 1.0, abs=0.01)
+
+
+def test_the_same_seed_gives_the_same_play():
+    one, other = (play(stored_plan(), GO2, "table", seed=7).rollout for _ in range(2))
+    assert np.array_equal(one.qpos, other.qpos)
+
+
+def test_states_follow_each_other():
+    stage = Stage()
+    stage.run()
+    assert stage.names == ["check", "ramp", "stand", "jump", "damp"]
+    times = np.array([time for time, _ in stage.wire.sent])
+    commands = [command for _, command in stage.wire.sent]
+    assert times[0] == pytest.approx(0.5)  # it listens before it sends anything
+    assert np.diff(times) == pytest.approx(0.002)
+    # The first command changes nothing: posture and torque are those that are there.
+    true = stage.player.log.arrays()
+    k = int(np.argmax(np.isfinite(true["command/q"][:, 0])))
+    assert true["command/q"][k] == pytest.approx(true["readings/q"][k])
+    assert true["command/tau"][k] == pytest.approx(true["readings/torque"][k])
+    kp, kd = gains(GO2)
+    standing = commands[round((LEAST_RAMP + 0.5) / 0.002)]
+    first = FirstPosture.of(stored_plan(), GO2)
+    assert standing.q == pytest.approx(first.joints)
+    assert (standing.kp == kp).all()
+    assert (standing.kd == kd).all()
+    assert standing.tau == pytest.approx(first.torque)
+    last = times >= stage.jump + stored_plan().duration + 1.0
+    assert all(is_brake(command) for command, damps in zip(commands, last, strict=True) if damps)
+    assert not any(
+        is_brake(command) for command, damps in zip(commands, last, strict=True) if not damps
+    )
+    assert times[-1] - times[last][0] == pytest.approx(2.0, abs=0.01)
+
+
+def test_a_robot_that_lies_is_brought_up():
+    lying = GO2.posture.copy()
+    lying[2] = 0.16
+    lying[7:] = np.tile([0.0, 1.25, -2.6], 4)
+    stage = Stage(posture=lying)
+    stage.simulated.advance(1.0)
+    ended = stage.run()
+    assert ended.reason == ""
+    ramp = stage.states[1]
+    assert ramp.duration > 1.0
+    log = stage.player.log.arrays()
+    ramping = log["state"] == 1
+    assert np.abs(log["readings/dq"][ramping]).max() < 1.6
+
+
+def test_the_log_has_all_that_was_read_and_sent():
+    stage = Stage("closed-loop")
+    stage.at = [(0.9, lambda: stage.player.stop("enough"))]
+    stage.run()
+    log = stage.player.log.arrays()
+    assert set(log["state"]) == {0.0, 1.0, 4.0}
+    assert np.isnan(log["command/q"][log["state"] == 0]).all()
+    sent = np.array([command.q for _, command in stage.wire.sent])
+    logged = log["command/q"][log["state"] == 1]
+    assert np.isnan(logged[-1]).all()  # of the tick in which it was stopped
+    assert np.array_equal(logged[:-1], sent[: len(logged) - 1])
+    assert np.diff(log["robot_time"]) == pytest.approx(0.002)
+    assert log["estimate/q"].shape == (len(log["time"]), GO2.model.nq)
