@@ -1,6 +1,7 @@
 """Figures of the jump types: reach, strict landings and a look at published jumps.
 
     python -m benchmarks.jump_types score --seeds 1000:1020
+    python -m benchmarks.jump_types score --names flip --robots go2 --estimator imu
     python -m benchmarks.jump_types reach --robots anymal,go2
     python -m benchmarks.jump_types public
 
@@ -78,9 +79,12 @@ CASES = (
 )
 
 
-def simulated(plan: Plan, seeds: range, regeneration: float | None = None) -> list[Outcome]:
+def simulated(
+    plan: Plan, seeds: range, estimator: str = "truth", regeneration: float | None = None
+) -> list[Outcome]:
     robot = with_drives(load_robot(plan.jump.robot), regeneration=regeneration)
-    return [simulate(plan, robot, Scenario(seed=seed)).outcome for seed in seeds]
+    scenarios = [Scenario(seed=seed, estimator=estimator) for seed in seeds]
+    return [simulate(plan, robot, scenario).outcome for scenario in scenarios]
 
 
 def failures(outcomes: list[Outcome]) -> str:
@@ -103,6 +107,7 @@ def score(
     names: Annotated[str, typer.Option(help="Part of the cases' names; all if empty.")] = "",
     robots: str = "anymal,go2,slider",
     model: str = "llsrbm-plus",
+    estimator: str = "truth",
     regeneration: Annotated[
         float | None, typer.Option(help="W that a drive takes back at most; none: any.")
     ] = None,
@@ -122,17 +127,17 @@ def score(
                 speed=case.speed,
                 pitch=case.pitch,
             )
-            cells = judged(jump, seeds_of(seeds), regeneration)
+            cells = judged(jump, seeds_of(seeds), estimator, regeneration)
             print(f"| {case.name} | {robot} | {cells} |", flush=True)
 
 
-def judged(jump: llsrbm.Jump, seeds: range, regeneration: float | None) -> str:
+def judged(jump: llsrbm.Jump, seeds: range, estimator: str, regeneration: float | None) -> str:
     """The cells of one jump."""
     try:
         plan = llsrbm.plan(jump)
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
-    outcomes = simulated(plan, seeds, regeneration)
+    outcomes = simulated(plan, seeds, estimator, regeneration)
     counts = count(outcomes)
     return (
         f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "

@@ -46,8 +46,14 @@ def not_supported(robot: Robot, name: str) -> str:
 
 
 def with_type(jump: Jump, name: str) -> Jump:
-    """The request as one of another type, with that type's defaults; the landing place stays."""
-    return with_defaults(replace(jump, type=name))
+    """The request as one of another type, with that type's defaults; the landing place stays.
+
+    A flip begins on the spot and without a twist, as plans of flips with one are not known.
+    """
+    jump = with_defaults(replace(jump, type=name))
+    if jump.turns:
+        jump = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
+    return jump
 
 
 def extra_fields(jump: Jump) -> tuple[str, ...]:
