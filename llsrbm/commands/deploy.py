@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import json
 import signal
 import time
 from pathlib import Path
@@ -58,34 +59,27 @@ def deploy_command(
     the plan was not played to its end.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        plan, loaded = _plan_and_robot(file, robot)
         from llsrbm.wire.player.requirements import check_plan
         from llsrbm.wire.player.tiers import tier_called
 
+        plan, loaded = _plan_and_robot(file, robot)
         chosen = tier_called(tier)
-        if not dry_run:
-            require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
-            require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
-            log = _log_file(log, file)
-        check_plan(plan, loaded, chosen)
         if dry_run:
-            result, lines = _dry_run(plan, loaded, chosen)
-            if as_json:
-                console.print_result(result, {}, stdout, as_json=True)
-            else:
-                print("\n".join(lines), file=stdout)
+            check_plan(plan, loaded, chosen)
+            result, text = _dry_run(plan, loaded, chosen)
+            print(json.dumps(result, allow_nan=False) if as_json else text, file=stdout)
             return console.DONE
+        require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
+        require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
+        path = _log_file(log, file)
+        check_plan(plan, loaded, chosen)
         ended, player = _play(plan, loaded, chosen, interface, domain, quiet=as_json)
-        assert log is not None
-        result = _result(ended, player, chosen, log)
-        _write_log(player, log, result)
-        lines_of = {} if as_json else {"log": str(log), "computing": _computing(result)}
-        console.print_result(result, lines_of, stdout, as_json=as_json)
+        result = _result(ended, player, chosen, path)
+        _write_log(player, path, result)
+        console.print_result(result, _in_words(result, ended), stdout, as_json=as_json)
         if ended.reason:
             console.print_error(ended.line)
             return console.FAILED
-        if not as_json:
-            print(f"{'ended':<10}{ended.line}", file=stdout)
     return console.DONE
 
 
@@ -125,7 +119,7 @@ def _play(
 
     def announce(state: State) -> None:
         if not quiet:
-            print(f"{state.name:<10}{state.says}", flush=True)
+            print(f"{state.name:<10}{state.summary}", flush=True)
 
     with threadpool_limits(1):  # one program a tick is too small to share
         rehearse(tier.name, plan, robot)
@@ -171,15 +165,17 @@ def _write_log(player: Player, path: Path, about: dict[str, Any]) -> None:
             write(player.log, draft, about)
 
 
-def _computing(result: dict[str, Any]) -> str:
-    return (
-        f"{1e3 * result['computing_p50_s']:.2f} ms from a reading to its command (p99 "
-        f"{1e3 * result['computing_p99_s']:.2f} ms), {result['ticks']} ticks"
-    )
+def _in_words(result: dict[str, Any], ended: Ended) -> dict[str, str]:
+    lines = {
+        "computing": f"{1e3 * result['computing_p50_s']:.2f} ms from a reading to its command (p99 "
+        f"{1e3 * result['computing_p99_s']:.2f} ms), {result['ticks']} ticks",
+        "log": result["log"],
+    }
+    return lines if ended.reason else {**lines, "ended": ended.line}
 
 
-def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any], list[str]]:
-    """States and first commands, as data and as lines."""
+def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any], str]:
+    """States and first commands, as data and as text."""
     from llsrbm.wire.player.rehearsal import first_commands
     from llsrbm.wire.player.states import outline
 
@@ -203,4 +199,4 @@ def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any]
             {"time_s": at, **{name: values.tolist() for name, values in vars(command).items()}}
             for at, command in commands
         ],
-    }, lines
+    }, "\n".join(lines)

@@ -36,7 +36,7 @@ class State(ABC):
     """A state, from its first reading on; times are s by the robot's clock."""
 
     name: ClassVar[str]
-    says: ClassVar[str]  # to those who watch
+    summary: ClassVar[str]  # to those who watch
     duration: float  # s, planned
 
     def __init__(self, tier: Tier, start: float) -> None:
@@ -67,7 +67,7 @@ class Check(State):
     """Listens: is the robot upright, at rest, and in a posture from which it can be brought up."""
 
     name = "check"
-    says = "listens: posture, tilt, battery"
+    summary = "listens: posture, tilt, battery"
     duration = CHECKS_FOR
 
     def command(self, readings: Readings) -> None:
@@ -115,7 +115,7 @@ class Ramp(State):
     """
 
     name = "ramp"
-    says = "into the plan's first posture"
+    summary = "into the plan's first posture"
 
     def __init__(self, tier: Tier, start: float) -> None:
         super().__init__(tier, start)
@@ -169,7 +169,7 @@ class Stand(State):
     """Stands in the plan's first posture, as the tier does it."""
 
     name = "stand"
-    says = "in the plan's first posture"
+    summary = "in the plan's first posture"
     duration = STANDS_FOR
 
     def command(self, readings: Readings) -> MotorCommand:
@@ -209,7 +209,7 @@ class Jumping(State):
     """The plan, and standing where it ends."""
 
     name = "jump"
-    says = "the plan, and a second of standing after it"
+    summary = "the plan, and a second of standing after it"
 
     def __init__(self, tier: Tier, start: float) -> None:
         super().__init__(tier, start)
@@ -236,7 +236,7 @@ class Damp(State):
     """Brakes alone, whatever the readings; `start` is by the player's own clock."""
 
     name = "damp"
-    says = "brakes alone"
+    summary = "brakes alone"
     duration = DAMPS_FOR
 
     def __init__(self, tier: Tier, start: float) -> None:
@@ -257,7 +257,7 @@ def outline(tier: Tier, joints: Array) -> list[tuple[str, float, str]]:
     ramp = Ramp(tier, 0.0)
     ramp.duration = ramp_duration(tier, joints)
     states = (Check(tier, 0.0), ramp, Stand(tier, 0.0), Jumping(tier, 0.0), Damp(tier, 0.0))
-    return [(state.name, state.duration, state.says) for state in states]
+    return [(state.name, state.duration, state.summary) for state in states]
 
 
 def ramp_duration(tier: Tier, joints: Array) -> float:

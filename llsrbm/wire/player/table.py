@@ -38,12 +38,11 @@ class Table(Tier):
             motion.joint_torque,
         )
         self._R = rotation_matrices(motion.base_quat)
-        self._last = 0
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
         """See `Tier`."""
         del readings
-        self._last = row = self._row(time + LEAD)
+        row = self._row(time + LEAD)
         if time < 0:
             still = np.zeros_like(self._kp)
             return MotorCommand(self.first.joints, still, self.first.torque, self._kp, self._kd)
