@@ -1,6 +1,7 @@
 """Figures of the jump types: reach, strict landings and a look at published jumps.
 
     python -m benchmarks.jump_types score --seeds 1000:1020
+    python -m benchmarks.jump_types score --names flip --robots go2 --estimator imu
     python -m benchmarks.jump_types reach --robots anymal,go2
     python -m benchmarks.jump_types public
 
@@ -74,8 +75,8 @@ CASES = (
 )
 
 
-def simulated(plan: Plan, seeds: range) -> list[Outcome]:
-    return [llsrbm.simulate(plan, seed=seed).outcome for seed in seeds]
+def simulated(plan: Plan, seeds: range, estimator: str = "truth") -> list[Outcome]:
+    return [llsrbm.simulate(plan, seed=seed, estimator=estimator).outcome for seed in seeds]
 
 
 def failures(outcomes: list[Outcome]) -> str:
@@ -98,6 +99,7 @@ def score(
     names: Annotated[str, typer.Option(help="Part of the cases' names; all if empty.")] = "",
     robots: str = "anymal,go2,slider",
     model: str = "llsrbm-plus",
+    estimator: str = "truth",
 ) -> None:
     """How many seeds land strictly, a type and a robot."""
     print("| jump | robot | planned | strict | stand | not strict |\n|---|---|---|---|---|---|")
@@ -114,16 +116,19 @@ def score(
                 speed=case.speed,
                 pitch=case.pitch,
             )
-            print(f"| {case.name} | {robot} | {judged(jump, seeds_of(seeds))} |", flush=True)
+            print(
+                f"| {case.name} | {robot} | {judged(jump, seeds_of(seeds), estimator)} |",
+                flush=True,
+            )
 
 
-def judged(jump: llsrbm.Jump, seeds: range) -> str:
+def judged(jump: llsrbm.Jump, seeds: range, estimator: str = "truth") -> str:
     """The cells of one jump."""
     try:
         plan = llsrbm.plan(jump)
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
-    outcomes = simulated(plan, seeds)
+    outcomes = simulated(plan, seeds, estimator)
     counts = count(outcomes)
     return (
         f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "
