@@ -102,7 +102,8 @@ class Reference:
                 *("joint_acceleration", "foot_velocity_from_com", "foot_acceleration_from_com"),
             )
         }
-        return replace(first, contact_force=force, **still)
+        heading = first.foot_heading * [1.0, 0.0, 0.0]
+        return replace(first, contact_force=force, foot_heading=heading, **still)
 
     def late(self, flight: int) -> Target:
         """The target in a flight after its planned touchdown: legs held as they should land."""

@@ -9,6 +9,7 @@ import llsrbm
 from llsrbm.installed import assets_directory
 from llsrbm.robots import load_robot
 from llsrbm.wire.player import Player, make_tier
+from llsrbm.wire.player.states import LEAST_RAMP, Check, Stand
 from llsrbm.wire.simulated_robot import DirectLink, SimulatedRobot
 
 GO2 = load_robot("go2")
@@ -52,8 +53,6 @@ class Wire(DirectLink):
 class Stage:
     """A player of a tier and its robot; `jump`: s by the robot's clock when the plan begins."""
 
-    jump = 2.0
-
     def __init__(self, tier="table", seed=1, *, plan=None, clock=None, **options):
         self.simulated = SimulatedRobot(GO2, seed=seed, **options)
         self.wire = Wire(self.simulated)
@@ -68,6 +67,10 @@ class Stage:
     def _act(self, tick):
         while self.at and self.at[0][0] <= self.simulated.time:
             self.at.pop(0)[1]()
+
+    @property
+    def jump(self):
+        return Check.duration + LEAST_RAMP + Stand.duration
 
     def run(self):
         return self.player.run()
