@@ -102,7 +102,7 @@ class Instruments:
             q=ENCODER_STEP * np.round((q[7:] + self._zero) / ENCODER_STEP),
             dq=v[6:] + SPEED_NOISE * rng.standard_normal(joints),
             torque=self._torque_scale * torque + drift,
-            foot_force=self._felt(last) if self._feels else None,
+            foot_force=self._foot_force(last) if self._feels else None,
         )
 
     def _inertial(self, q: Array, v: Array) -> tuple[Array, Array]:
@@ -133,7 +133,7 @@ class Instruments:
             np.clip(acceleration, -ACCELERATION_RANGE, ACCELERATION_RANGE),
         )
 
-    def _felt(self, last: TickResult | None) -> Array:
+    def _foot_force(self, last: TickResult | None) -> Array:
         """(L,) N: size of the force on each foot."""
         if last is None:
             return np.zeros(len(self._foot_scale))
