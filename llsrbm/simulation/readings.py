@@ -26,7 +26,7 @@ from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]
 
-# Gyroscope. "Per tick" below is a density over the root of the tick.
+# Gyroscope. A density over the root of the tick is the noise of what is read.
 GYRO_NOISE = math.radians(0.014)  # rad/s/Hz^0.5
 GYRO_RANGE = math.radians(2000.0)  # rad/s
 GYRO_BIAS = math.radians(0.3)  # rad/s an axis: the data sheet has 1 at most
