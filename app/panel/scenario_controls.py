@@ -145,6 +145,8 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
         get=lambda scenario: scenario.estimator,
         put=lambda scenario, name: replace(scenario, estimator=name),
         options=tuple(ESTIMATORS),
+        there=lambda scenario: scenario.estimator in ESTIMATORS,
+        stays=True,
     ),
 )
 
