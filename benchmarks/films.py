@@ -1,6 +1,7 @@
 """The README's moving pictures: `python -m benchmarks.films [NAME ...]`, all of them without names.
 
-They are made by the exporter that anybody has. Each is an example (`llsrbm designs`), planned, simulated and exported into `docs/`.
+They are made by the exporter that anybody has. Each is an example (`llsrbm designs`), planned,
+simulated and exported into `docs/`.
 """
 
 from __future__ import annotations
