@@ -27,6 +27,9 @@ _STEP = 5  # mm
 _LARGEST_SEED = 9999
 _LATEST = 10.0  # s; later than any motion ends
 _NO_PUSH = Push(0.0, (0.0, 0.0, 0.0))
+ESTIMATES = {"truth": "the truth", "drift": "drifting", "imu": "own sensors"}
+"""What the controller is told of the robot's state, as the page calls each estimator."""
+_ESTIMATORS = {shown: name for name, shown in ESTIMATES.items()}
 
 
 def _thickest(file: RobotFile) -> Ends:
@@ -135,6 +138,16 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
         put=lambda scenario, shown: replace(scenario, seed=round(shown)),
         ends=(0.0, _LARGEST_SEED),
         there=lambda scenario: scenario.seed is not None,
+        stays=True,
+    ),
+    Field(
+        "Estimate",
+        "What the controller is told of the robot's state: the truth, a model that drifts, or an "
+        "estimate from inertial unit, encoders and feet",
+        get=lambda scenario: ESTIMATES.get(scenario.estimator),
+        put=lambda scenario, shown: replace(scenario, estimator=_ESTIMATORS[shown]),
+        options=tuple(_ESTIMATORS),
+        there=lambda scenario: scenario.estimator in ESTIMATES,
         stays=True,
     ),
 )

@@ -37,6 +37,7 @@ JUST_AFTER = (
 _SEEKING_TIME = 0.015
 _STOPPED_BELOW = 0.05
 _STILL_TICKS = 3
+_BOUNCES = 0.02  # s without load; what measures it needs some ticks to begin with
 _LEFT = 0.5  # of a swing while others stand: a foot that feels load before is one that leaves late
 
 
@@ -70,7 +71,7 @@ class ContactSchedule:
         self.standing: Feet = self._stands[0].copy()
         self.flights: list[Flight] = []
         self.ground_shift = 0.0
-        self._loaded: Feet = self.standing
+        self._light = np.zeros(body.legs, dtype=np.int64)  # ticks that a foot has stood unloaded
         # The plan's clock: this time of the plan was at that time.
         self._plan_time, self._at = 0.0, 0.0
         self._still = np.zeros(body.legs, dtype=np.int64)
@@ -98,11 +99,12 @@ class ContactSchedule:
 
     @property
     def carrying(self) -> Feet:
-        """(L,) feet that stand and have felt load in the last ticks; a foot that bounces does not.
+        """(L,) feet that stand and have felt load not long ago: a foot that bounces does not.
 
-        Before the first step off the ground all that stand are taken to.
+        Until a foot first leaves the ground all that stand are taken to.
         """
-        return self.standing if self.phase == 0 else self.standing & self._loaded
+        carrying: Feet = self.standing & (self._light < _BOUNCES / self._tick)
+        return carrying
 
     @property
     def planned(self) -> Feet:
@@ -158,7 +160,8 @@ class ContactSchedule:
         """
         if self.phase == 0:
             return
-        self._loaded = loaded = self._feet.update(torque)
+        loaded = self._feet.update(torque)
+        self._light = np.where(loaded | ~self.standing, 0, self._light + 1)
         if self.flying:
             if hit and self._feet.met_ground():
                 self._touch_down(time, loaded)

@@ -13,6 +13,9 @@ anew where it turns out to have moved. Balls roll: at lift-off of a Go2 their mi
 11 cm/s, by what rolling leaves unexplained at 1 to 4 cm/s. A sole counts as the four balls at its
 corners, each by itself, so that it tells how the base turns.
 
+Feet that creep are the limit: on soft ground those of a front flip slide by a centimetre while they
+push, unseen, and the robot jumps off with 0.1 m/s too much.
+
 In flight, `standing` nowhere, gyroscope and accelerometer are integrated. An accelerometer feels
 nothing in free fall, and a gyroscope's bias is known from standing, so a flight costs little: the
 error of the velocity at lift-off times its duration, and its share of the turn by which the
@@ -20,8 +23,8 @@ gyroscope's scale is wrong. `benchmarks.estimator` measures both. The ground of 
 anywhere, so what a flight adds to the height's error stays, as does any of place and yaw.
 
 Joints are handed on as they were measured. The angular velocity is the gyroscope's, which is a mean
-over the tick that ended and so half a tick old, and the half of its last change on top: without it
-a Go2's front flips turned too fast by 2 % and landed 8 cm off.
+over the tick that ended and so half a tick old, and half of its last change on top: without it the
+front flips of a Go2 left the ground turning up to 2 % too fast.
 """
 
 from __future__ import annotations
@@ -53,7 +56,7 @@ _GYRO, _ACCELERATION = 5e-4, 0.005  # rad/s, m/s2 over Hz^0.5: a unit's, and wha
 _GYRO_SCALE = 0.003 * 0.3  # share of the rate, s^0.5: a scale that is wrong for a flight's length
 _WALKS = 1e-4, 1e-3  # rad/s^1.5, m/s^2.5, of the biases
 _CREEP = 0.001  # m/s^0.5: of a foot that stands: ground and rubber that give way
-_SLIP = 0.1  # s^0.5: likewise, share of a rolling ball's speed by which it slips
+_SLIP = 0.1  # s^0.5: likewise, of a ball that rolls, as a share of its speed
 _SETTLES = 0.05  # s: sooner after a landing feet slide and sink by centimetres a second
 _PLACE = 0.002  # m: of a foot in the base, by encoders and their zeros
 _MOVED = 16.0  # squared standard deviations, which 1 in 1000 of feet that stand exceeds

@@ -175,7 +175,10 @@ class Scenario:
     ] = None
     estimator: Annotated[
         str,
-        Name("State estimate that the controller is given: truth, or drift as of a legged robot's"),
+        Name(
+            "State estimate that the controller is given: truth, drift as of a legged robot's, or "
+            "imu: estimated by inertial unit, joint encoders and feet"
+        ),
     ] = "truth"
     replan: Annotated[
         bool, Flag("Flight and landing are planned anew, 50 times a second, from what is measured")

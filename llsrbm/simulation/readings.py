@@ -26,7 +26,7 @@ from llsrbm.simulation.world import TickResult
 
 Array = NDArray[np.float64]
 
-# Gyroscope. "Per tick" below is a density over the root of the tick.
+# Gyroscope. A density over the root of the tick is the noise of what is read.
 GYRO_NOISE = math.radians(0.014)  # rad/s/Hz^0.5
 GYRO_RANGE = math.radians(2000.0)  # rad/s
 GYRO_BIAS = math.radians(0.3)  # rad/s an axis: the data sheet has 1 at most
@@ -103,7 +103,7 @@ class Instruments:
             q=ENCODER_STEP * np.round((q[7:] + self.joint_zero) / ENCODER_STEP),
             dq=v[6:] + SPEED_NOISE * rng.standard_normal(joints),
             torque=self._torque_scale * torque + drift,
-            foot_force=self._felt(last) if self._feels else None,
+            foot_force=self._foot_force(last) if self._feels else None,
         )
 
     def _inertial(self, q: Array, v: Array) -> tuple[Array, Array]:
@@ -134,7 +134,7 @@ class Instruments:
             np.clip(acceleration, -ACCELERATION_RANGE, ACCELERATION_RANGE),
         )
 
-    def _felt(self, last: TickResult | None) -> Array:
+    def _foot_force(self, last: TickResult | None) -> Array:
         """(L,) N: size of the force on each foot."""
         if last is None:
             return np.zeros(len(self._foot_scale))

@@ -187,3 +187,18 @@ def test_the_ground_is_measured_at_each_place():
     contacts = run.step(hit=True)
     assert contacts.ground_shift == pytest.approx(-0.01)
     np.testing.assert_allclose(contacts.foothold, plan.foot_position[-1])
+
+
+def test_feet_that_stand_without_load_carry_nothing_after_a_while():
+    run = Run(ONE)
+    assert run.until(0.2).carrying.all()  # nobody asks for their load before they leave
+    assert not run.until(0.85).carrying.any()  # in flight
+    run.robot.loaded = STANDING_ALL
+    assert run.step(hit=True).carrying.all()
+    run.robot.loaded = FRONT_ONLY
+    assert run.until(run.ticks * TICK + 0.015).carrying.all()
+    contacts = run.until(run.ticks * TICK + 0.010)
+    assert contacts.carrying.tolist() == FRONT_ONLY.tolist()
+    assert contacts.standing.all()
+    run.robot.loaded = STANDING_ALL
+    assert run.step().carrying.all()
