@@ -143,7 +143,13 @@ def _play(
 def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[str, Any]:
     import numpy as np
 
-    computing = player.log.arrays()["computing"] if len(player.log) else np.zeros(1)
+    from llsrbm.wire.player.play_log import STATES
+
+    computing = np.zeros(1)
+    if len(player.log):
+        columns = player.log.arrays()
+        commanded = np.isin(columns["state"], [STATES.index("stand"), STATES.index("jump")])
+        computing = columns["computing"][commanded] if commanded.any() else computing
     return {
         "played": not ended.reason,
         "reason": ended.reason,

@@ -250,7 +250,7 @@ class SlowClock:
 @pytest.mark.parametrize(
     ("takes", "words"),
     [
-        (0.0025, r"(deadlines: 10 of the last \d+ commands|late: readings come) .*"),
+        (0.0045, r"(deadlines: 10 of the last \d+ commands|late: readings come) .*"),
         (0.05, r"deadlines: the player stood still for \d\d ms, at most 20 are allowed"),
     ],
 )
