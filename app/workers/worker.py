@@ -222,8 +222,8 @@ def _played(
     task: tasks.SimulateJump, progress: Callable[[float], None], cancelled: Callable[[], bool]
 ) -> Rollout:
     """A plan as the player plays it. Raises `Error`: it stopped before the jump."""
+    from llsrbm.player.played import play_in
     from llsrbm.robots import load_robot
-    from llsrbm.wire.played import play_in
 
     played = play_in(
         task.plan, load_robot(task.plan.jump.robot), task.scenario, progress, cancelled

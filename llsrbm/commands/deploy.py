@@ -16,9 +16,9 @@ from llsrbm.errors import InputError, require
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
+    from llsrbm.player import Ended, Player, Tier
+    from llsrbm.player.states import State
     from llsrbm.robots import Robot
-    from llsrbm.wire.player import Ended, Player, Tier
-    from llsrbm.wire.player.states import State
 
 _SHOWN = 3  # first commands of a dry run
 
@@ -59,8 +59,8 @@ def deploy_command(
     the plan was not played to its end.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.wire.player.requirements import check_plan
-        from llsrbm.wire.player.tiers import tier_called
+        from llsrbm.player.requirements import check_plan
+        from llsrbm.player.tiers import tier_called
 
         plan, loaded = _plan_and_robot(file, robot)
         chosen = tier_called(tier)
@@ -113,9 +113,9 @@ def _play(
 ) -> tuple[Ended, Player]:
     from threadpoolctl import threadpool_limits
 
+    from llsrbm.player.player import Player
+    from llsrbm.player.rehearsal import rehearse
     from llsrbm.wire.dds import DdsLink
-    from llsrbm.wire.player.player import Player
-    from llsrbm.wire.player.rehearsal import rehearse
 
     def announce(state: State) -> None:
         if not quiet:
@@ -143,7 +143,7 @@ def _play(
 def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[str, Any]:
     import numpy as np
 
-    from llsrbm.wire.player.play_log import STATES
+    from llsrbm.player.play_log import STATES
 
     computing = np.zeros(1)
     if len(player.log):
@@ -164,7 +164,7 @@ def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[s
 
 def _write_log(player: Player, path: Path, about: dict[str, Any]) -> None:
     from llsrbm.files.atomic import staged
-    from llsrbm.wire.player.mcap import write
+    from llsrbm.player.mcap import write
 
     if len(player.log):
         with staged(path) as draft:
@@ -182,8 +182,8 @@ def _in_words(result: dict[str, Any], ended: Ended) -> dict[str, str]:
 
 def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any], str]:
     """States and first commands, as data and as text."""
-    from llsrbm.wire.player.rehearsal import first_commands
-    from llsrbm.wire.player.states import outline
+    from llsrbm.player.rehearsal import first_commands
+    from llsrbm.player.states import outline
 
     made = tier(plan, robot)
     states = outline(made, robot.posture[7:])

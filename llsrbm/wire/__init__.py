@@ -1,1 +1,1 @@
-"""To a robot's own wire: its messages, a simulator that speaks them, a player of plans."""
+"""A robot's own wire: its messages and motors, DDS, and a simulated robot behind them."""

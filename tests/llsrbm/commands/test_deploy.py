@@ -16,8 +16,8 @@ import pytest
 import llsrbm
 from llsrbm.cli import main
 from llsrbm.installed import assets_directory
+from llsrbm.player.posture import FirstPosture, gains
 from llsrbm.robots import load_robot
-from llsrbm.wire.player.posture import FirstPosture, gains
 
 PLANS = assets_directory() / "plans"
 STARTS = 120.0  # s in which a process surely has begun on a busy machine

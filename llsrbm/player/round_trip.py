@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
+from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
-from llsrbm.wire.player.tier import PERIOD
 
 Array = NDArray[np.float64]
 

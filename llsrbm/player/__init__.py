@@ -9,9 +9,9 @@ plan has ended leads to `damp` at once. Nobody here has run it on a robot.
 
 from __future__ import annotations
 
-from llsrbm.wire.player.player import Ended, Player
-from llsrbm.wire.player.requirements import check_plan
-from llsrbm.wire.player.tier import PERIOD, Tier
-from llsrbm.wire.player.tiers import TIERS, make_tier
+from llsrbm.player.player import Ended, Player
+from llsrbm.player.requirements import check_plan
+from llsrbm.player.tier import PERIOD, Tier
+from llsrbm.player.tiers import TIERS, make_tier
 
 __all__ = ["PERIOD", "TIERS", "Ended", "Player", "Tier", "check_plan", "make_tier"]

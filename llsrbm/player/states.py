@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
-from llsrbm.wire.player.posture import Planned, brake, gains, up_of_quat
-from llsrbm.wire.player.round_trip import RoundTrip
-from llsrbm.wire.player.stops import LATE, tilt_from
-from llsrbm.wire.player.tier import Tier
+from llsrbm.player.posture import Planned, brake, gains, up_of_quat
+from llsrbm.player.round_trip import RoundTrip
+from llsrbm.player.stops import LATE, tilt_from
+from llsrbm.player.tier import Tier
 
 Array = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 
 import llsrbm
 from llsrbm.installed import assets_directory
+from llsrbm.player import Player, make_tier
+from llsrbm.player.states import LEAST_RAMP, Check, Stand
 from llsrbm.robots import load_robot
-from llsrbm.wire.player import Player, make_tier
-from llsrbm.wire.player.states import LEAST_RAMP, Check, Stand
 from llsrbm.wire.simulated_robot import DirectLink, SimulatedRobot
 
 GO2 = load_robot("go2")

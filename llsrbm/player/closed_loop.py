@@ -13,10 +13,10 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.estimation.state_estimator import StateEstimator
 from llsrbm.motion.plan import Plan
+from llsrbm.player.posture import Planned, up_of
+from llsrbm.player.tier import PERIOD, Tier
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.wire.player.posture import Planned, up_of
-from llsrbm.wire.player.tier import PERIOD, Tier
 
 Array = NDArray[np.float64]
 

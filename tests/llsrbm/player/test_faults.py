@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from llsrbm.errors import InputError
+from llsrbm.player import TIERS, check_plan
+from llsrbm.player.states import Check, Damp, Stand
+from llsrbm.player.stops import HOTTEST, tilt_from
 from llsrbm.robots import load_robot
 from llsrbm.wire.channel import Faults
 from llsrbm.wire.link import Health
-from llsrbm.wire.player import TIERS, check_plan
-from llsrbm.wire.player.states import Check, Damp, Stand
-from llsrbm.wire.player.stops import HOTTEST, tilt_from
 from llsrbm.wire.simulated_robot import Conditions
-from tests.llsrbm.wire.player.stages import GO2, Stage, is_brake, stored_plan
+from tests.llsrbm.player.stages import GO2, Stage, is_brake, stored_plan
 
 SOON = 0.1  # s
 BRIEF = {Check: 0.1, Stand: 0.2, Damp: 0.3}  # s; a fault does not wait for longer

@@ -5,12 +5,12 @@ import json
 import numpy as np
 import pytest
 
-from tests.llsrbm.wire.player.stages import GO2, Stage
+from tests.llsrbm.player.stages import GO2, Stage
 
 pytest.importorskip("foxglove", reason="needs the extra llsrbm[mcap]")
 reader = pytest.importorskip("mcap.reader")
 
-from llsrbm.wire.player.mcap import write  # noqa: E402
+from llsrbm.player.mcap import write  # noqa: E402
 
 
 @pytest.fixture(scope="module")

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.motion.plan import Plan
+from llsrbm.player.posture import FirstPosture, Planned
 from llsrbm.robots import Robot
-from llsrbm.wire.player.posture import FirstPosture, Planned
 
 Array = NDArray[np.float64]
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from llsrbm.motion.plan import Plan
+from llsrbm.player.closed_loop import ClosedLoop
+from llsrbm.player.table import Table
+from llsrbm.player.tier import Tier
 from llsrbm.request.messages import look_up
 from llsrbm.robots import Robot
-from llsrbm.wire.player.closed_loop import ClosedLoop
-from llsrbm.wire.player.table import Table
-from llsrbm.wire.player.tier import Tier
 
 TIERS: dict[str, type[Tier]] = {tier.name: tier for tier in (Table, ClosedLoop)}
 

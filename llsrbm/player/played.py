@@ -26,6 +26,10 @@ from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Mode, Rollout
 from llsrbm.motion.sampling import resample
+from llsrbm.player import Ended, Player, Tier, make_tier
+from llsrbm.player.closed_loop import ClosedLoop
+from llsrbm.player.play_log import PlayLog
+from llsrbm.player.states import Jumping, State, outline
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.simulation.disturbance import draw_disturbance
@@ -33,10 +37,6 @@ from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import FLAT, TickResult
-from llsrbm.wire.player import Ended, Player, Tier, make_tier
-from llsrbm.wire.player.closed_loop import ClosedLoop
-from llsrbm.wire.player.play_log import PlayLog
-from llsrbm.wire.player.states import Jumping, State, outline
 from llsrbm.wire.simulated_robot import TICK, Conditions, DirectLink, SimulatedRobot, TrueTick
 
 Array = NDArray[np.float64]

@@ -10,9 +10,9 @@ from llsrbm.control.readings import Readings
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at
+from llsrbm.player.posture import Planned, gains, up_of
+from llsrbm.player.tier import PERIOD, Tier
 from llsrbm.robots import Robot
-from llsrbm.wire.player.posture import Planned, gains, up_of
-from llsrbm.wire.player.tier import PERIOD, Tier
 
 Array = NDArray[np.float64]
 

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
+from llsrbm.player.posture import Planned, up_of_quat
+from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import torque_range
 from llsrbm.wire.link import Health
-from llsrbm.wire.player.posture import Planned, up_of_quat
-from llsrbm.wire.player.tier import PERIOD
 
 Array = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
+from llsrbm.player.tier import PERIOD, Tier
+from llsrbm.player.tiers import make_tier
 from llsrbm.robots import Robot
-from llsrbm.wire.player.tier import PERIOD, Tier
-from llsrbm.wire.player.tiers import make_tier
 
 _STANDS = 0.02  # s before the start
 _APART = 0.02  # s between the instants of the plan that are tried

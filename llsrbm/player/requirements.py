@@ -5,8 +5,8 @@ from __future__ import annotations
 from llsrbm.certificate import CHECKS, Certificate, certify
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
+from llsrbm.player.tier import Tier
 from llsrbm.robots import Robot
-from llsrbm.wire.player.tier import Tier
 
 
 def check_plan(plan: Plan, robot: Robot, tier: type[Tier]) -> Certificate:

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
-from llsrbm.wire.link import Link
-from llsrbm.wire.player.play_log import PlayLog
-from llsrbm.wire.player.states import Check, Damp, State
-from llsrbm.wire.player.stops import (
+from llsrbm.player.play_log import PlayLog
+from llsrbm.player.states import Check, Damp, State
+from llsrbm.player.stops import (
     SILENT,
     UNDER_WAY,
     IdleDrive,
@@ -23,7 +22,8 @@ from llsrbm.wire.player.stops import (
     TrackingError,
     Unwell,
 )
-from llsrbm.wire.player.tier import PERIOD, Tier
+from llsrbm.player.tier import PERIOD, Tier
+from llsrbm.wire.link import Link
 
 FIRST_READING = 2.0  # s until which a robot has to be heard: networks find each other in one
 

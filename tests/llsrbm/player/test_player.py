@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from llsrbm.wire.played import play
-from llsrbm.wire.player.posture import FirstPosture, gains
-from llsrbm.wire.player.states import LEAST_RAMP
-from tests.llsrbm.wire.player.stages import GO2, Stage, is_brake, stored_plan
+from llsrbm.player.played import play
+from llsrbm.player.posture import FirstPosture, gains
+from llsrbm.player.states import LEAST_RAMP
+from tests.llsrbm.player.stages import GO2, Stage, is_brake, stored_plan
 
 
 @pytest.mark.parametrize("tier", ["table", "closed-loop"])

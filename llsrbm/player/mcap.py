@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from llsrbm.formats.logs.mcap_log import Entry, flat, numbers
 from llsrbm.formats.logs.series import Series
-from llsrbm.wire.player.play_log import PlayLog
+from llsrbm.player.play_log import PlayLog
 
 Array = NDArray[np.float64]
 
