@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def robot_sim_command(
-    robot: options.Robot = "go2",
+    robot: options.Robot,
     interface: Annotated[
         str, typer.Option(metavar="IF", help="Network interface; lo: this machine alone.")
     ] = "lo",

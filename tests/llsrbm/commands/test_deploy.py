@@ -96,7 +96,17 @@ def robot():
     """A simulated Go2 in a domain of its own; `ended` makes it end and gives its result."""
     pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
     domain = random.randrange(20, 200)
-    command = [sys.executable, "-m", "llsrbm.cli", "robot-sim", "--json", "--domain", str(domain)]
+    command = [
+        sys.executable,
+        "-m",
+        "llsrbm.cli",
+        "robot-sim",
+        "--robot",
+        "go2",
+        "--json",
+        "--domain",
+        str(domain),
+    ]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     process.domain = domain
 
@@ -134,6 +144,7 @@ def until(process, state):
 def test_a_killed_player_leaves_a_robot_that_brakes(robot, tmp_path):
     player = deploy(robot, tmp_path)
     until(player, "ramp")
+    time.sleep(0.3)  # until some commands were sent
     player.kill()
     player.wait()
     time.sleep(1.0)  # the robot's own time goes on: it brakes after 50 ms

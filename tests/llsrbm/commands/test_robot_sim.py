@@ -17,7 +17,7 @@ pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
 
 def run(*arguments):
     domain = random.randrange(20, 200)
-    return main(["robot-sim", "--domain", str(domain), *arguments])
+    return main(["robot-sim", "--robot", "go2", "--domain", str(domain), *arguments])
 
 
 def test_it_stands_for_as_long_as_it_is_asked_to(capfd):

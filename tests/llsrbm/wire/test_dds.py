@@ -39,7 +39,17 @@ def holding(robot):
 @contextlib.contextmanager
 def simulator(domain, *options):
     """A robot-sim in its own process; `ended` makes it end and gives its result."""
-    command = [sys.executable, "-m", "llsrbm.cli", "robot-sim", "--json", "--domain", str(domain)]
+    command = [
+        sys.executable,
+        "-m",
+        "llsrbm.cli",
+        "robot-sim",
+        "--robot",
+        "go2",
+        "--json",
+        "--domain",
+        str(domain),
+    ]
     process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
 
     def ended():
