@@ -37,7 +37,15 @@ from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
 from llsrbm.simulation.surroundings import Surroundings, surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import FLAT, TickResult
-from llsrbm.wire.simulated_robot import TICK, Conditions, DirectLink, SimulatedRobot, TrueTick
+from llsrbm.wire.simulated_robot import (
+    NOMINAL,
+    TICK,
+    UNDISTURBED,
+    Conditions,
+    DirectLink,
+    SimulatedRobot,
+    TrueTick,
+)
 
 Array = NDArray[np.float64]
 
@@ -80,9 +88,9 @@ def play(
     tier: str,
     seed: int = 0,
     *,
-    conditions: Conditions = Conditions(),  # noqa: B008  frozen
+    conditions: Conditions = NOMINAL,
     around: Surroundings = FLAT,
-    disturbance: Disturbance = Disturbance(),  # noqa: B008  frozen
+    disturbance: Disturbance = UNDISTURBED,
     observer: Callable[[TrueTick], None] | None = None,
 ) -> Played:
     """Play a plan, without looking at its certificate; `observer` is called with each tick.

@@ -29,11 +29,16 @@ def torque_range(robot: Robot, speed: Array) -> tuple[Array, Array]:
     `Robot.joint_names`.
     """
     torque, at_rest, slope = _lines(robot)
-    drop, braking = slope * speed, _braking(robot, speed)
+    drop, power = slope * speed, robot.file.limits.regeneration
     # Minimum and maximum take a third of clip's time.
+    lowest = np.maximum(np.minimum(-at_rest - drop, _ZERO), -torque)
+    highest = np.minimum(np.maximum(at_rest - drop, _ZERO), torque)
+    if power is None:
+        return lowest, highest
+    braking = _braking(power, speed)
     return (
-        np.maximum(np.minimum(-at_rest - drop, _ZERO), np.where(speed > 0, -braking, -torque)),
-        np.minimum(np.maximum(at_rest - drop, _ZERO), np.where(speed < 0, braking, torque)),
+        np.where(speed > 0, np.maximum(lowest, -braking), lowest),
+        np.where(speed < 0, np.minimum(highest, braking), highest),
     )
 
 
@@ -45,15 +50,15 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
     limit, at_rest, slope = _lines(robot)
     along = np.copysign(1.0, torque) * speed  # negative: it brakes
     most: Array = np.minimum(np.maximum(at_rest - slope * along, _ZERO), limit)
-    return np.minimum(most, np.where(along < 0, _braking(robot, speed), limit))
-
-
-def _braking(robot: Robot, speed: Array) -> Array:
-    """Largest torque (..., J) that brakes at speeds (..., J)."""
     power = robot.file.limits.regeneration
     if power is None:
-        return robot.torque_limit
-    return np.minimum(robot.torque_limit, power / np.maximum(np.abs(speed), _SLOWEST))
+        return most
+    return np.where(along < 0, np.minimum(most, _braking(power, speed)), most)
+
+
+def _braking(power: float, speed: Array) -> Array:
+    """Torque (..., J) that brakes at speeds (..., J) with a power, W."""
+    return power / np.maximum(np.abs(speed), _SLOWEST)
 
 
 @lru_cache(maxsize=32)

@@ -282,5 +282,6 @@ class Robot:
         }
 
     def control_parameters(self) -> dict[str, Any]:
-        """The controller's parameters of the robot file, defaults included, as plain data."""
-        return self.file.model_dump(mode="json", include={"control", "uncertainty"})
+        """Numbers of the robot file that controller and drives have besides plans, as plain data."""
+        include: Any = {"control": True, "uncertainty": True, "limits": {"regeneration"}}
+        return self.file.model_dump(mode="json", include=include)

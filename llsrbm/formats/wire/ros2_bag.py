@@ -37,7 +37,7 @@ _START = 1_000_000_000  # ns
 _SECOND = 1_000_000_000
 _WORLD, _TRAJECTORY = "world", "/joint_trajectory_controller/joint_trajectory"
 _UNKNOWN = QosTime(0, 0)
-# Whoever comes later gets the last message, too.
+# A subscriber that comes later gets the last message, too.
 _LATCHED = Qos(
     history=QosHistory.KEEP_LAST,
     depth=1,

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,9 +19,9 @@ from llsrbm.cli import main
 from llsrbm.installed import assets_directory
 from llsrbm.player.posture import FirstPosture, gains
 from llsrbm.robots import load_robot
+from tests.llsrbm.wire.simulator_process import STARTS, simulator
 
 PLANS = assets_directory() / "plans"
-STARTS = 120.0  # s in which a process surely has begun on a busy machine
 BUSY = "deadlines:|silence:|late:"  # what a busy machine may do to a player
 
 
@@ -96,31 +97,8 @@ def robot():
     """A simulated Go2 in a domain of its own; `ended` makes it end and gives its result."""
     pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
     domain = random.randrange(20, 200)
-    command = [
-        sys.executable,
-        "-m",
-        "llsrbm.cli",
-        "robot-sim",
-        "--robot",
-        "go2",
-        "--json",
-        "--domain",
-        str(domain),
-    ]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
-    process.domain = domain
-
-    def ended():
-        process.send_signal(signal.SIGINT)
-        out, _ = process.communicate(timeout=STARTS)
-        return json.loads(out)
-
-    process.ended = ended
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+    with simulator(domain) as ended:
+        yield SimpleNamespace(domain=domain, ended=ended)
 
 
 def deploy(robot, folder, *options):

@@ -1,11 +1,6 @@
 """A robot behind its topics in one process, its player in another, on the loopback."""
 
-import contextlib
-import json
 import random
-import signal
-import subprocess
-import sys
 import time
 
 import numpy as np
@@ -19,9 +14,9 @@ from llsrbm.wire.simulated_robot import TICK
 pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
 
 from llsrbm.wire.dds import DdsLink, DdsRobot, default_domain
+from tests.llsrbm.wire.simulator_process import STARTS, simulator
 
 GO2, G1 = load_robot("go2"), load_robot("g1")
-STARTS = 60.0  # s in which a process surely has begun on a busy machine
 
 
 @pytest.fixture
@@ -34,34 +29,6 @@ def holding(robot):
     stiff = robot.torque_limit / 0.2
     still = np.zeros(len(stiff))
     return MotorCommand(robot.posture[7:], still, still, stiff, 0.02 * stiff)
-
-
-@contextlib.contextmanager
-def simulator(domain, *options):
-    """A robot-sim in its own process; `ended` makes it end and gives its result."""
-    command = [
-        sys.executable,
-        "-m",
-        "llsrbm.cli",
-        "robot-sim",
-        "--robot",
-        "go2",
-        "--json",
-        "--domain",
-        str(domain),
-    ]
-    process = subprocess.Popen([*command, *options], stdout=subprocess.PIPE, text=True)
-
-    def ended():
-        process.send_signal(signal.SIGINT)
-        out, _ = process.communicate(timeout=STARTS)
-        return json.loads(out)
-
-    try:
-        yield ended
-    finally:
-        process.kill()
-        process.wait()
 
 
 def test_a_second_over_the_loopback(domain):
