@@ -282,6 +282,6 @@ class Robot:
         }
 
     def control_parameters(self) -> dict[str, Any]:
-        """Numbers of the robot file that controller and drives have besides plans, as plain data."""
+        """Numbers of the robot file that controller and drives alone have, as plain data."""
         include: Any = {"control": True, "uncertainty": True, "limits": {"regeneration"}}
         return self.file.model_dump(mode="json", include=include)
