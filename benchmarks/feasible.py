@@ -180,7 +180,7 @@ def from_tables(into: Folder, robots: Robots = "anymal,go2,slider") -> None:
     into.mkdir(parents=True, exist_ok=True)
     for name in robots.split(","):
         robot = load_robot(name)
-        with np.load(table_path(name)) as arrays:
+        with np.load(table_path(planner_of(Jump(robot=name)).formulation)) as arrays:
             solved = arrays["requests"]
         with (into / f"{name}.csv").open("a") as file:
             for seed, jump in enumerate(with_faces(jumps("guesses", name))):

@@ -1,6 +1,7 @@
 """Makes the planner's first guesses of a sweep's jumps: `python -m benchmarks.guess_tables`.
 
     python -m benchmarks.guess_tables [--sweep guesses] [--robots anymal,go2,slider,g1]
+    python -m benchmarks.guess_tables --sweep guesses-flips --robots go2,go1,a1
 
 `--sweep` is a spec's name or file, or the folder of a sweep that is done; then only what was
 planned there is solved again. Of each jump a second one is made that asks for one or two of its
@@ -17,14 +18,17 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
+import numpy as np
 import pyarrow.parquet as pq
 import typer
 
 from llsrbm.errors import NotConverged
+from llsrbm.motion.plan import Plan
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.solve.guess_table import REQUEST, make_table, table_path, write_table
-from llsrbm.planning.solve.planner import planner_of
+from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import PLANNED
@@ -32,6 +36,8 @@ from llsrbm.sweep.spec import Spec, find_spec
 
 KEPT = [set(c) for count in (1, 2) for c in combinations(REQUEST, count)]
 """Components of the second jump, in turns."""
+
+Solved = tuple[Jump, Iterate, float]  # request, solution, cost
 
 LARGEST = 2 * 10**6  # bytes of a robot's file
 ROOM = 0.97  # of that, as solutions are not all of one size
@@ -58,19 +64,46 @@ def with_faces(requested: list[Jump]) -> Iterator[Jump]:
         yield replace(jump, **{name: 0.0 for name in REQUEST if name not in kept})
 
 
-def make(robot: str, sweep: str) -> None:
-    planner = planner_of(Jump(robot=robot))
-    planner.formulation.solver.settle()
-    solved, requested, start = [], [*with_faces(jumps(sweep, robot))], time.perf_counter()
+def of_tables(requested: list[Jump]) -> Iterator[list[Jump]]:
+    """The jumps of each table: of one planner, and with the same whole turns."""
+    kinds: dict[Any, list[Jump]] = {}
+    for jump in requested:
+        kinds.setdefault((planner_of(jump), jump.type, jump.roll, jump.pitch), []).append(jump)
+    yield from kinds.values()
+
+
+def solutions(planner: Planner, requested: list[Jump]) -> list[Solved]:
+    """Of those that can be planned at once.
+
+    A whole turn is planned from the one nearest to it among those before, from the spot outwards:
+    from guesses turns of many kinds are found, between which nothing can be interpolated.
+    """
+    robot, turns = planner.robot, requested[0].turns
+    scale = np.ptp([getattr(robot.file.task, name) for name in REQUEST], axis=1) / 2
+    place = {jump: np.array([getattr(jump, n) for n in REQUEST]) / scale for jump in requested}
+    if turns:
+        spot = replace(requested[0], **dict.fromkeys(REQUEST, 0.0))
+        place[spot] = np.zeros(len(REQUEST))
+        requested = sorted(place, key=lambda jump: float(np.linalg.norm(place[jump])))
+    plans: dict[Jump, Plan] = {}
     for number, jump in enumerate(requested):
+        from_here = [float(np.linalg.norm(place[other] - place[jump])) for other in plans]
+        near = [*plans.values()][int(np.argmin(from_here))] if turns and plans else None
         try:
-            plan = planner.plan(jump, patient=False)
+            plans[jump] = planner.plan(jump, near=near, patient=False)
         except NotConverged:
             continue
-        solved.append((jump, plan.solution, plan.report.cost))
-        if number % 50 == 0:
-            print(f"{robot}: {number} of {len(requested)}", flush=True)
-    path = table_path(robot)
+        if number % 10 == 0:
+            print(f"{robot.name}: {number} of {len(requested)}", flush=True)
+    return [(jump, plan.solution, plan.report.cost) for jump, plan in plans.items()]
+
+
+def make(requested: list[Jump]) -> None:
+    planner = planner_of(requested[0])
+    planner.formulation.solver.settle()
+    start = time.perf_counter()
+    solved = solutions(planner, requested)
+    path = table_path(planner.formulation)
     path.parent.mkdir(exist_ok=True)
     write_table(path, make_table(solved, planner.formulation), planner.formulation)
     size = path.stat().st_size
@@ -98,7 +131,8 @@ def main(
     robots: Annotated[str, typer.Option(help="Names, with commas.")] = "anymal,go2,slider,g1",
 ) -> None:
     for robot in robots.split(","):
-        make(robot, sweep)
+        for requested in of_tables([*with_faces(jumps(sweep, robot))]):
+            make(requested)
 
 
 if __name__ == "__main__":

@@ -32,6 +32,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from llsrbm.control.readings import Readings
 from llsrbm.estimation.foot_kinematics import FootKinematics
@@ -50,7 +51,8 @@ Array = NDArray[np.float64]
 Feet = NDArray[np.bool_]
 
 # Standard deviations of what the filter believes; it is told nothing of the simulation.
-_TILT, _VELOCITY = 0.01, 0.05  # rad, m/s: as it begins
+_TILT, _UNIT_TILT = 0.004, 0.01  # rad, as it begins: by the feet, by the unit
+_VELOCITY = 0.05  # m/s, likewise
 _BIASES = 0.005, 0.05  # rad/s, m/s2, likewise
 _GYRO, _ACCELERATION = 5e-4, 0.005  # rad/s, m/s2 over Hz^0.5: a unit's, and what shakes it
 _GYRO_SCALE = 0.003 * 0.3  # share of the rate, s^0.5: a scale that is wrong for a flight's length
@@ -60,6 +62,7 @@ _SLIP = 0.1  # s^0.5: likewise, of a ball that rolls, as a share of its speed
 _SETTLES = 0.05  # s: sooner after a landing feet slide and sink by centimetres a second
 _PLACE = 0.002  # m: of a foot in the base, by encoders and their zeros
 _MOVED = 16.0  # squared standard deviations, which 1 in 1000 of feet that stand exceeds
+_PLANE = 0.02  # m: points closer to a line than that span none
 _UP = np.array([0.0, 0.0, 1.0])
 _BOTH_BIASES = slice(GYRO_BIAS.start, ACCELERATION_BIAS.stop)
 
@@ -67,8 +70,7 @@ _BOTH_BIASES = slice(GYRO_BIAS.start, ACCELERATION_BIAS.stop)
 class StateEstimator:
     """Estimates q (nq,) and v (nv,) of a robot that stands in `q0` (nq,) at first.
 
-    The world is where `q0` has the robot: its heading and the place of its feet. The tilt at first
-    is the inertial unit's.
+    The world is where `q0` has the robot: its heading, and the ground that its feet stand on.
     """
 
     def __init__(self, robot: Robot, q0: Array) -> None:
@@ -105,12 +107,10 @@ class StateEstimator:
 
     def _begin(self, readings: Readings, standing: Feet) -> None:
         belief, feet = self.filter, self.feet
-        w, x, y, z = readings.quat
-        unit = pin.Quaternion(w, x, y, z).toRotationMatrix()
-        wanted, has = yaw(np.array([self._quat_start, readings.quat]))
-        belief.R_world_base = attitude = pin.utils.rotate("z", wanted - has) @ unit
-        places = feet.position @ attitude.T
         stands = standing if standing.any() else np.ones(len(standing), dtype=bool)
+        attitude, tilt = self._attitude_start(readings.quat, stands)
+        belief.R_world_base = attitude
+        places = feet.position @ attitude.T
         belief.position = (self._feet_start - places)[stands].mean(axis=0)
         rate = readings.gyro - belief.gyro_bias
         moving = self._rolling(rate) - self._swept(rate) @ attitude.T
@@ -120,13 +120,30 @@ class StateEstimator:
         else:
             biases = belief.covariance[_BOTH_BIASES, _BOTH_BIASES]
         variances = np.zeros(len(self._noise))
-        variances[TURN], variances[SPEED] = [_TILT**2, _TILT**2, 0.0], _VELOCITY**2
+        variances[TURN], variances[SPEED] = [tilt**2, tilt**2, 0.0], _VELOCITY**2
         belief.covariance = np.diag(variances)
         belief.covariance[_BOTH_BIASES, _BOTH_BIASES] = biases
         self._planted = standing.copy()
         self._stands_since = np.where(standing, -np.inf, np.nan)
         for foot in np.flatnonzero(standing).tolist():
             belief.plant(foot, feet.position[foot], _PLACE**2)
+
+    def _attitude_start(self, quat: Array, stands: Feet) -> tuple[Array, float]:
+        """R_world_base (3, 3) as a start, and how well its tilt is known, rad.
+
+        By the feet, which stand on the ground of `q0`: the unit's tilt is wrong by its
+        accelerometer's bias, 5 mrad. Two points say nothing of a tilt about their line.
+        """
+        arms, wanted = (
+            points[stands] - points[stands].mean(axis=0)
+            for points in (self.feet.position, self._feet_start)
+        )
+        if np.linalg.matrix_rank(wanted, tol=_PLANE) > 1:
+            return Rotation.align_vectors(wanted, arms)[0].as_matrix(), _TILT
+        w, x, y, z = quat
+        unit = pin.Quaternion(w, x, y, z).toRotationMatrix()
+        heading, has = yaw(np.array([self._quat_start, quat]))
+        return pin.utils.rotate("z", heading - has) @ unit, _UNIT_TILT
 
     def _go_on(self, readings: Readings, dt: float, standing: Feet) -> None:
         belief, feet = self.filter, self.feet

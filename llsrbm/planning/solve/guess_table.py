@@ -10,9 +10,9 @@ nearest K give, by a linear regression that is weighted by nearness,
 and c0 is where `Solver.follow` begins. Quaternions have no jumps of sign between neighbours: all of
 them begin at 1, 0, 0, 0 and turn on without a break, past half a turn, too.
 
-A table is for one robot, by its numbers, one model and layout, and jumps of type `together` with
-the robot's own weights and limits. Where it should fit and does not, a warning says why, once, and
-jumps begin from the analytic guess.
+A table is for one robot, by its numbers, one model and layout, and jumps of one type, their whole
+turns and hops included, with the robot's own weights and limits. Where it should fit and does not,
+a warning says why, once, and jumps begin from the analytic guess.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from __future__ import annotations
 import json
 import logging
 import zipfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -38,6 +38,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import Formulation
 from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import schedule_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
@@ -46,7 +47,7 @@ Array = NDArray[np.float64]
 REQUEST = ("twist", "forward", "lateral", "height")
 """Fields of a `Jump` that differ among a table's solutions."""
 
-SCHEMA = "llsrbm.guesses/2"
+SCHEMA = "llsrbm.guesses/3"
 # Of a robot, on which its solutions depend.
 NUMBERS = (
     *("limits", "reach", "timing", "foot", "task", "planning"),
@@ -62,6 +63,7 @@ RIDGE = 1e-3  # of slopes, against neighbours that lie in a plane
 # What 16 bits and their interpolation leave of a solution: a table whose first one violates rows or
 # misses its cost by more is of another problem.
 STALE_ROWS = 0.05
+STALE_TURNING = 0.2  # likewise of whole turns, whose momentum is corrected by the rounded solution
 STALE_COST = 0.02
 # Beyond what neighbours agree by nothing is kept, which makes a file small: of a variable steps of
 # this share of its largest value, of a multiplier the leading bits, and nothing of those of bounds
@@ -83,6 +85,7 @@ class GuessTable:
             inequalities; solvers find the others themselves.
         all_rows: their number.
         costs: (n,).
+        kind: fields of a `Jump` that all have in common and that are not its defaults.
     """
 
     requests: Array
@@ -92,11 +95,24 @@ class GuessTable:
     rows: NDArray[np.int64]
     all_rows: int
     costs: Array
+    kind: Mapping[str, Any]
+
+    def has(self, jump: Jump) -> bool:
+        """True if a jump differs from those in the table in its `REQUEST` alone."""
+        plain = Jump(robot=jump.robot, model=jump.model, **self.kind)
+        return all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)
+
+    def request(self, number: int) -> dict[str, float]:
+        """That of a solution, by `REQUEST`."""
+        return dict(zip(REQUEST, self.requests[number].tolist(), strict=True))
+
+    def nearest(self, jump: Jump) -> int:
+        """The number of the solution whose request is nearest."""
+        return int(np.linalg.norm(self._away(jump), axis=1).argmin())
 
     def guess(self, jump: Jump, formulation: Formulation) -> Iterate:
         """Where to begin; see above."""
-        x = np.array([getattr(jump, name) for name in REQUEST])
-        near, share = self._shares(x)
+        near, share = self._shares(jump)
         w = formulation.layout.normalised(share @ self.variables[near])
         multipliers = np.zeros(self.all_rows)
         multipliers[self.rows] = share @ self.multipliers[near]
@@ -108,9 +124,15 @@ class GuessTable:
         multipliers[self.rows] = self.multipliers[number]
         return Iterate(self.variables[number].astype(np.float64), multipliers)
 
-    def _shares(self, x: Array) -> tuple[NDArray[np.intp], Array]:
+    def _away(self, jump: Jump) -> Array:
+        """(n, 4) requests less a jump's, scaled."""
+        x = np.array([getattr(jump, name) for name in REQUEST])
+        away: Array = (self.requests - x) / self.scale
+        return away
+
+    def _shares(self, jump: Jump) -> tuple[NDArray[np.intp], Array]:
         """(K,) which solutions, and (K,) how much of each."""
-        away = (self.requests - x) / self.scale
+        away = self._away(jump)
         distance = np.linalg.norm(away, axis=1)
         near = np.argsort(distance, kind="stable")[:NEIGHBOURS]
         furthest = max(float(distance[near[-1]]), np.finfo(float).tiny)
@@ -131,15 +153,22 @@ class Guesses:
     def __init__(self, formulation: Formulation) -> None:
         self.formulation = formulation
 
-    def start(self, task: Task) -> Iterate | None:
-        """Where a task begins; None: from elsewhere."""
-        if not _is_usual(task) or self._table is None:
+    def start(self, task: Task) -> tuple[Jump, Iterate] | None:
+        """Where a task begins, and of which jump that is a solution; None: from elsewhere.
+
+        Of whole turns the nearest solution: between those there is too much to interpolate.
+        """
+        table, jump = self._table, task.jump
+        if not _is_usual(task) or table is None or not table.has(jump):
             return None
-        return self._table.guess(task.jump, self.formulation)
+        if not jump.turns:
+            return jump, table.guess(jump, self.formulation)
+        number = table.nearest(jump)
+        return replace(jump, **table.request(number)), table.solution(number)
 
     @cached_property
     def _table(self) -> GuessTable | None:
-        path = table_path(self.formulation.robot.name)
+        path = table_path(self.formulation)
         try:
             return read_table(path, self.formulation)
         except FileNotFoundError:
@@ -154,19 +183,25 @@ class Guesses:
 _refused: set[str] = set()  # messages of this process, each given once
 
 
-def table_path(robot: str) -> Path:
-    """Where a robot's table lies."""
-    return assets_directory() / "guesses" / f"{robot}.npz"
+def table_path(formulation: Formulation) -> Path:
+    """Where a table lies: the feet that stand are in its name, unless as in the default type."""
+    robot, layout = formulation.robot, formulation.layout
+    stands = schedule_of(Jump(robot=str(robot.path)), robot).stands
+    plain = np.array_equal(layout.stands, stands) and not layout.clears
+    name = robot.name if plain else f"{robot.name}-{layout.name}"
+    return assets_directory() / "guesses" / f"{name}.npz"
 
 
 def make_table(
     solved: Sequence[tuple[Jump, Iterate, float]], formulation: Formulation
 ) -> GuessTable:
     """A table of jumps, their solutions and their costs."""
-    robot = formulation.robot
+    robot, first = formulation.robot, solved[0][0]
     ranges = np.array([getattr(robot.file.task, name) for name in REQUEST])
-    problem = formulation.problem(make_task(solved[0][0], robot))
+    problem = formulation.problem(make_task(first, robot))
     rows = np.flatnonzero(problem.lower < problem.upper)
+    plain = Jump(robot=first.robot, model=first.model).as_dict()
+    kind = {n: v for n, v in first.as_dict().items() if n not in REQUEST and v != plain[n]}
     return GuessTable(
         requests=np.array([[getattr(jump, n) for n in REQUEST] for jump, _, _ in solved]),
         scale=np.ptp(ranges, axis=1) / 2,
@@ -175,6 +210,7 @@ def make_table(
         rows=rows,
         all_rows=len(problem.lower),
         costs=np.array([cost for _, _, cost in solved]),
+        kind=kind,
     )
 
 
@@ -195,7 +231,7 @@ def write_table(path: Path, table: GuessTable, formulation: Formulation) -> None
     write_archive(
         path,
         {
-            "meta": np.array(json.dumps(_of(formulation))),
+            "meta": np.array(json.dumps(_of(formulation) | {"kind": table.kind})),
             "requests": table.requests,
             "costs": table.costs,
             "scale": table.scale,
@@ -215,7 +251,10 @@ def read_table(path: Path, formulation: Formulation) -> GuessTable | None:
         RefusedTable: it should fit, but the robot or the problem has changed, or it is damaged.
     """
     robot = formulation.robot
-    if formulation.solver.name != "fatrop" or robot is not load_robot(str(robot.path)):
+    own = load_robot(str(robot.path))
+    if formulation.layout.turns:
+        own = own.turning
+    if formulation.solver.name != "fatrop" or robot is not own:
         return None
     try:
         with np.load(path, allow_pickle=False) as file:
@@ -229,6 +268,7 @@ def read_table(path: Path, formulation: Formulation) -> GuessTable | None:
             rows=arrays["rows"].astype(np.int64),
             all_rows=int(arrays["all_rows"]),
             costs=arrays["costs"],
+            kind=meta.pop("kind", {}),
         )
     except FileNotFoundError:
         raise
@@ -301,21 +341,23 @@ def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
     shapes = table.variables.shape, table.multipliers.shape, table.all_rows
     if shapes != ((count, variables), (count, len(table.rows)), rows) or count < NEIGHBOURS:
         raise RefusedTable(path, "it is damaged (sizes)")
-    request = dict(zip(REQUEST, table.requests[0].tolist(), strict=True))
-    jump = Jump(robot=str(formulation.robot.path), model=formulation.model.name, **request)
-    problem = formulation.problem(make_task(jump, formulation.robot))
-    w = table.solution(0).variables
+    first, robot = table.solution(0), formulation.robot
+    fields: dict[str, Any] = {**table.kind, **table.request(0)}
+    asked = Jump(robot=str(robot.path), model=formulation.model.name, **fields)
+    task = make_task(asked, robot)
+    stale = STALE_ROWS
+    if task.jump.turns:
+        task, stale = formulation.minding_start(task, first), STALE_TURNING
+    problem = formulation.problem(task)
+    w = first.variables
     cost = float(formulation.solver.function("nlp_f")(w, problem.parameters))
-    if formulation.solver.miss(problem, w) > STALE_ROWS or abs(
-        cost - table.costs[0]
-    ) > STALE_COST * abs(table.costs[0]):
+    if formulation.solver.miss(problem, w) > stale or abs(cost - table.costs[0]) > STALE_COST * abs(
+        table.costs[0]
+    ):
         raise RefusedTable(path, "its solutions are of another problem")
 
 
 def _is_usual(task: Task) -> bool:
-    """True if a task is of the kind that tables have."""
-    jump = task.jump
-    plain = Jump(robot=jump.robot, model=jump.model)
-    same = all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)
+    """True if a task has its type's own weights and limits, and begins at rest."""
     tuned = task.tuning.weights or task.tuning.limits
-    return same and not tuned and task.motion is None and task.correction is None
+    return not tuned and task.motion is None and task.correction is None

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.ocp import solvers
-from llsrbm.ocp.horizon import Iterate, Solution
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.attempts import NEARBY_MISS
 from llsrbm.planning.solve.formulation import Attempt, Formulation
@@ -42,18 +42,13 @@ def minding_near(formulation: Formulation, task: Task, jump: Jump, solution: Ite
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
     checked and solved again.
     """
-    there = Solution(
-        variables=solution.variables,
-        multipliers=solution.multipliers,
-        converged=True,
-        iterations=0,
-        cost=0.0,
-        solve_time_s=0.0,
-        violation=0.0,
-        message="a plan nearby",
+    minded = formulation.minding_start(placed(task, jump), solution)
+    return replace(
+        task,
+        agreed_bounds=minded.agreed_bounds,
+        correction=minded.correction,
+        rolled=minded.rolled,
     )
-    last = formulation.judged(placed(task, jump), there)
-    return replace(task, agreed_bounds=formulation.minding(last).agreed_bounds)
 
 
 def find_roughly(

@@ -14,6 +14,7 @@ from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import NEAREST
 from llsrbm.ocp import solvers
+from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.elastic import ElasticLayout
 from llsrbm.planning.problem.knots import Knots
@@ -286,11 +287,11 @@ class Planner:
         """
         guess = self.formulation.guess
         if near is not None:
-            start = usable_start(near, self.formulation)
-            yield FOLLOWED, lambda: self.formulation.follow(task, start, watch)
+            last = near.jump, usable_start(near, self.formulation)
+            yield FOLLOWED, lambda: self._followed(task, *last, watch)
         nearby = self.guesses.start(task) if guesses else None
         if nearby is not None:
-            yield NEARBY, lambda: from_nearby(self.formulation, nearby, task, watch)
+            yield NEARBY, lambda: self._from_table(task, *nearby, watch)
         if nearby is None or not hurried:
             options = HURRIED if hurried else solve_options(task)
             solve = partial(self.formulation.solve, task, guess(task), watch, options)
@@ -300,6 +301,22 @@ class Planner:
                 "by way of stronger drives",
                 lambda: by_stronger_drives(self.formulation, task, watch),
             )
+
+    def _followed(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
+        """The attempt from a jump's solution, the last one."""
+        if task.jump.turns:
+            return self._from_table(task, jump, start, watch)
+        return self.formulation.follow(task, start, watch)
+
+    def _from_table(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
+        """The attempt from a jump's solution, in a table.
+
+        The momentum of a body that turns over, and where its feet roll to, are never those of the
+        model alone: without what the whole body says of the solution nearby that one is none.
+        """
+        if task.jump.turns:
+            task = minding_near(self.formulation, task, jump, start)
+        return from_nearby(self.formulation, start, task, watch)
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""

@@ -40,7 +40,8 @@ def planner(robot="anymal"):
 
 
 def table(robot="anymal"):
-    return read_table(table_path(robot), planner(robot).formulation)
+    formulation = planner(robot).formulation
+    return read_table(table_path(formulation), formulation)
 
 
 def task(**asked):
@@ -54,7 +55,7 @@ def task(**asked):
 @pytest.mark.parametrize("robot", TABLED)
 def test_tables_that_ship_are_in_force(robot):
     """Where it is refused: python -m benchmarks.guess_tables."""
-    assert table_path(robot).stat().st_size <= LARGEST
+    assert table_path(planner(robot).formulation).stat().st_size <= LARGEST
     assert len(table(robot).requests) > 100
 
 
@@ -126,8 +127,8 @@ def test_a_guess_turns_the_way_it_is_asked_to(degrees):
 def elsewhere(tmp_path, monkeypatch):
     """A copy of ANYmal's table that planners find, and one that reads it anew."""
     path = tmp_path / "anymal.npz"
-    path.write_bytes(table_path("anymal").read_bytes())
-    monkeypatch.setattr(guess_table, "table_path", lambda robot: path)
+    path.write_bytes(table_path(planner().formulation).read_bytes())
+    monkeypatch.setattr(guess_table, "table_path", lambda formulation: path)
     return path
 
 
