@@ -30,6 +30,7 @@ from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.solve.guess_table import REQUEST, make_table, table_path, write_table
 from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
 from llsrbm.sweep.points import Points
 from llsrbm.sweep.rows import PLANNED
 from llsrbm.sweep.spec import Spec, find_spec
@@ -54,7 +55,17 @@ def jumps(sweep: str, robot: str) -> list[Jump]:
         made = [points[number] for number in numbers]
     else:
         made = [*Points(find_spec(sweep))]
-    return [point.jump for point in made if point.jump.robot == robot and not point.limits]
+    found = [point.jump for point in made if point.jump.robot == robot and not point.limits]
+    return [jump for jump in found if is_allowed(jump)]
+
+
+def is_allowed(jump: Jump) -> bool:
+    """Whether a request is within the robot's range, where the sweep's own is wider."""
+    ranges = load_robot(jump.robot).file.task
+    return all(
+        low <= getattr(jump, name) <= high
+        for name, (low, high) in ((name, getattr(ranges, name)) for name in REQUEST)
+    )
 
 
 def with_faces(requested: list[Jump]) -> Iterator[Jump]:

@@ -102,7 +102,7 @@ class GuessTable:
         plain = Jump(robot=jump.robot, model=jump.model, **self.kind)
         return all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)
 
-    def request(self, number: int) -> dict[str, float]:
+    def request(self, number: int) -> dict[str, Any]:
         """That of a solution, by `REQUEST`."""
         return dict(zip(REQUEST, self.requests[number].tolist(), strict=True))
 

@@ -33,6 +33,9 @@ Array = NDArray[np.float64]
 
 # From a plan nearby, as `attempts.NEARBY_MISS` has it: 9 to 25 iterations.
 FROM_NEARBY = replace(solvers.PATIENT, mu=1e-4, push=1e-3, iterations=50)
+# Times that the whole body is asked about a whole turn: where its feet roll to, and with them its
+# legs' momentum, depends on the answer before.
+MINDED_TURNING = 3
 TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
@@ -42,7 +45,9 @@ def minding_near(formulation: Formulation, task: Task, jump: Jump, solution: Ite
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
     checked and solved again.
     """
-    minded = formulation.minding_start(placed(task, jump), solution)
+    minded = placed(task, jump)
+    for _ in range(MINDED_TURNING if jump.turns else 1):
+        minded = formulation.minding_start(minded, solution)
     return replace(
         task,
         agreed_bounds=minded.agreed_bounds,
