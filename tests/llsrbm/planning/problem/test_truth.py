@@ -43,7 +43,7 @@ def test_models_for_comparison_are_not_held_to_it():
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
 def test_half_a_twist_is_no_flip(axis):
     """A whole turn about x or y is upside down on its way, one about z is not."""
-    turn = Rotation.from_euler(axis, np.linspace(0.0, 360.0, 13), degrees=True)
+    turn = Rotation.from_euler(axis, np.linspace(0.0, 360.0, 13)[:, None], degrees=True)
     quat = turn.as_quat(scalar_first=True)
     knots = SimpleNamespace(
         time=np.arange(13.0), quat=quat, flights=[slice(2, 9)], layout=SimpleNamespace(turns=True)
