@@ -83,7 +83,7 @@ def check_turns(jump: Jump, robot: Robot) -> None:
     Raises:
         InputError: it makes none about that axis, or the type asks for none.
     """
-    axes, asked = robot.file.turning_axes, load_type(jump.type).parameters
+    axes, parameters = robot.file.turning_axes, load_type(jump.type).parameters
     for axis in ("roll", "pitch"):
         if not getattr(jump, axis):
             continue
@@ -92,7 +92,7 @@ def check_turns(jump: Jump, robot: Robot) -> None:
                 f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
                 f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
             )
-        if axis not in asked:
+        if axis not in parameters:
             types = [name for name, kind in jump_types().items() if axis in kind.parameters]
             raise InputError(
                 f"{axis}: jumps of type {jump.type} do not turn so; expected the type "
