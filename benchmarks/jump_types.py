@@ -2,6 +2,7 @@
 
     python -m benchmarks.jump_types score --seeds 1000:1020
     python -m benchmarks.jump_types score --names flip --robots go2 --estimator imu
+    python -m benchmarks.jump_types score --names roll --robots go2
     python -m benchmarks.jump_types reach --robots anymal,go2
     python -m benchmarks.jump_types public
 
@@ -59,6 +60,7 @@ class Case(NamedTuple):
     hops: int = 1
     speed: float = 0.0
     pitch: float = 0.0
+    roll: float = 0.0
 
 
 QUADRUPEDS = ("anymal", "go2")
@@ -76,6 +78,8 @@ CASES = (
     Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
     Case("front flip", "flip", FLIPPING, 0.0, pitch=math.tau),
     Case("back flip", "flip", FLIPPING, 0.0, pitch=-math.tau),
+    Case("barrel roll to the right", "barrel-roll", ("go2",), 0.0, roll=math.tau),
+    Case("barrel roll to the left", "barrel-roll", ("go2",), 0.0, roll=-math.tau),
 )
 
 
@@ -126,6 +130,7 @@ def score(
                 hops=case.hops,
                 speed=case.speed,
                 pitch=case.pitch,
+                roll=case.roll,
             )
             cells = judged(jump, seeds_of(seeds), estimator, regeneration)
             print(f"| {case.name} | {robot} | {cells} |", flush=True)

@@ -16,6 +16,7 @@ from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_l
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import JumpType, load_type
+from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
@@ -77,17 +78,25 @@ def make_task(
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:
-    """Check that the robot makes the whole turns of a request.
+    """Check that the robot makes the whole turns of a request, and that its type is one of them.
 
     Raises:
-        InputError: it makes none about that axis.
+        InputError: it makes none about that axis, or the type asks for none.
     """
-    axes = robot.file.turning_axes
+    axes, parameters = robot.file.turning_axes, load_type(jump.type).parameters
     for axis in ("roll", "pitch"):
-        if getattr(jump, axis) and axis not in axes:
+        if not getattr(jump, axis):
+            continue
+        if axis not in axes:
             raise InputError(
                 f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
                 f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
+            )
+        if axis not in parameters:
+            types = [name for name, kind in jump_types().items() if axis in kind.parameters]
+            raise InputError(
+                f"{axis}: jumps of type {jump.type} do not turn so; expected the type "
+                f'{" or ".join(types)}, or {axis} among "asks" in its file'
             )
 
 

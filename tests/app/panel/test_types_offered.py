@@ -16,6 +16,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 
 TURNS = ("back flip", "front flip", "roll left", "roll right")
+TURNING = {"flip", "barrel-roll"}
 
 
 def test_go2_can_do_every_preset():
@@ -23,14 +24,14 @@ def test_go2_can_do_every_preset():
 
 
 def test_a_robot_that_does_not_turn_over_has_no_flips():
-    assert set(jump_types.names()) - set(types_offered(load_robot("anymal"))) == {"flip"}
+    assert set(jump_types.names()) - set(types_offered(load_robot("anymal"))) == TURNING
 
 
 def test_a_biped_has_no_hind_feet():
     offered = types_offered(load_robot("slider"))
     assert next(iter(offered)) == "together"
     # A back flip, the flip's default, pushes last with them.
-    assert set(jump_types.names()) - set(offered) == {"rear-last", "flip"}
+    assert set(jump_types.names()) - set(offered) == {"rear-last"} | TURNING
 
 
 def test_a_type_keeps_the_landing_place():
@@ -55,5 +56,6 @@ def test_other_turns_are_shown_in_degrees():
 
 
 def test_turns_about_which_the_robot_has_no_plans_are_not_offered():
-    assert turns_offered(("pitch", "roll"), load_robot("go2").file.turning_axes) == TURNS[:2]
+    assert turns_offered(("pitch", "roll"), load_robot("go2").file.turning_axes) == TURNS
+    assert turns_offered(("pitch", "roll"), load_robot("go1").file.turning_axes) == TURNS[:2]
     assert turns_offered(("pitch", "roll"), load_robot("anymal").file.turning_axes) == ()

@@ -66,7 +66,7 @@ def test_a_number_of_the_type_is_a_number_like_others(tab):
     ("before", "after"),
     [
         ({"type": "flip"}, {"pitch": -BACK}),
-        ({"type": "flip"}, {"pitch": 0.0, "roll": BACK}),
+        ({"type": "barrel-roll"}, {"roll": BACK}),
         ({"type": "hops"}, {"hops": 3}),
     ],
 )

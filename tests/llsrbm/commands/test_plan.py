@@ -38,7 +38,7 @@ def test_options_become_a_request_in_radians(planner, capsys):
     [
         ("--type flip", llsrbm.Jump(type="flip", pitch=-math.tau)),
         ("--type flip --pitch 360", llsrbm.Jump(type="flip", pitch=math.tau)),
-        ("--type flip --roll -360", llsrbm.Jump(type="flip", roll=-math.tau)),
+        ("--type barrel-roll --roll -360", llsrbm.Jump(type="barrel-roll", roll=-math.tau)),
         ("--type hops", llsrbm.Jump(type="hops", hops=2)),
         ("--type hops --hops 3 --forward 0.2", llsrbm.Jump(type="hops", hops=3, forward=0.2)),
         ("--type run-up", llsrbm.Jump(type="run-up", speed=0.5)),
@@ -79,12 +79,13 @@ def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("--robot go2 --roll 360", "roll: no plan of go2 with whole turns of roll is known; "),
-        ("--robot anymal", "anymal has no table [turning] in its file"),
+        ("barrel-roll --robot go1", "roll: no plan of go1 with whole turns of roll is known; "),
+        ("flip --robot go2 --roll 360", "roll: jumps of type flip do not turn so; expected the ty"),
+        ("flip --robot anymal", "anymal has no table [turning] in its file"),
     ],
 )
 def test_a_turn_that_the_robot_does_not_do_is_bad_input_at_once(words, said, capsys):
-    assert cli.main(["plan", "--type", "flip", *words.split()]) == 2
+    assert cli.main(["plan", "--type", *words.split()]) == 2
     err = capsys.readouterr().err
     assert said in err
     assert err.count("\n") == 1
@@ -94,7 +95,8 @@ def test_types_are_listed(capsys):
     assert cli.main(["types"]) == 0
     rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
     assert next(iter(rows)) == "together"
-    assert rows["flip"].endswith("(--pitch -360, --roll)")
+    assert rows["flip"].endswith("(--pitch -360)")
+    assert rows["barrel-roll"].endswith("(--roll 360)")
     assert rows["run-up"].endswith("(--speed 0.5, --end-speed)")
 
 

@@ -28,7 +28,11 @@ TYPES: dict[str, dict[str, Any]] = {
     "hops": {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
 }
 # They turn over, which of these robots Go2 can.
-FLIPS: dict[str, dict[str, Any]] = {"flip": {"type": "flip", "pitch": -2 * np.pi}}
+FLIPS: dict[str, dict[str, Any]] = {
+    "flip": {"type": "flip", "pitch": -2 * np.pi},
+    "roll right": {"type": "barrel-roll", "roll": 2 * np.pi},
+    "roll left": {"type": "barrel-roll", "roll": -2 * np.pi},
+}
 
 
 @dataclass(frozen=True)

@@ -182,7 +182,7 @@ def test_a_wrong_obstacle_is_one_line(file, old, new, said):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("flipp", 'unknown jump type "flipp"; did you mean "flip"? valid: flip, gap, hops'),
+        ("flipp", 'unknown jump type "flipp"; did you mean "flip"? valid: barrel-roll, flip, gap'),
         ("../flip", 'unknown jump type "../flip"; '),
         ("none/such.toml", "none/such.toml: no such file; expected a jump type"),
         ("a\0b.toml", "a?b.toml: no such file"),

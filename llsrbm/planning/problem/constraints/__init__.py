@@ -26,7 +26,7 @@ from llsrbm.planning.problem.constraints.motion import (
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.stops import JointStops
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed, PutDown
-from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn
+from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, TurnsOver
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
 
 __all__ = ["AGREED", "CONSTRAINTS", "Constraint"]
@@ -58,6 +58,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     GivenUp(),
     TrueTurn(),
     Rolling(),
+    TurnsOver(),
 )
 
 AGREED = tuple(c for c in CONSTRAINTS if isinstance(c, AgreedConstraint))

@@ -20,8 +20,8 @@ INSIDE = 0.4
 # stop that within a tenth of a second at best: half a radian.
 LEAN = np.radians(35.0)
 # How far short of its turn a body touches down, rad. What is disturbed lands up to 8 deg off, and
-# past the turn no foot is left to brake with.
-SHORT = np.radians([8.0, 16.0])
+# past the turn no foot is left to brake with. A roll is the faster one when its feet come to rest.
+SHORT = {"pitch": np.radians([8.0, 16.0]), "roll": np.radians([12.0, 20.0])}
 ACROSS = np.radians(10.0)  # how far it may lean across the turn then
 
 
@@ -187,9 +187,11 @@ class ShortOfTurn(Constraint):
         """`SHORT` about the axis of the turn, little across."""
         across = np.array([-ACROSS, ACROSS])
         # Of a turn forward that is not done e_x points up still, of one to the right e_y down.
-        of_pitch = np.sort(np.sign(task.jump.pitch) * SHORT) if task.jump.pitch else across
-        of_roll = np.sort(-np.sign(task.jump.roll) * SHORT) if task.jump.roll else across
-        lower, upper = np.sin(np.transpose([of_pitch, of_roll]))
+        angles = [
+            np.sort(np.sign(turn) * SHORT[axis]) if turn else across
+            for axis, turn in (("pitch", task.jump.pitch), ("roll", -task.jump.roll))
+        ]
+        lower, upper = np.sin(np.transpose(angles))
         return lower, upper
 
     def measured(self, rows: Array, task: Task) -> Array:

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.body.momentum import momentum_and_inertia
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE
 from llsrbm.planning.problem.knots import Knots
@@ -20,6 +21,8 @@ from llsrbm.planning.problem.task import Task
 BEARABLE = 0.09
 # Of a whole turn, whose touchdown is bounded to 8 deg, rad (1 deg).
 BEARABLE_TURNING = 0.02
+# How far a body that turns over leans at most on its way, at least, rad: 180 deg but for a twist.
+OVER = np.radians(150.0)
 ROLLED_OFF = 0.003  # m by which feet may stand beside where they have rolled
 
 
@@ -60,6 +63,25 @@ class TrueTurn(CheckAlone):
                 turn = float(np.linalg.norm(turn_error(knots, flight)))
                 bearable = BEARABLE_TURNING if knots.layout.turns else BEARABLE
                 out[flight.stop] = max(turn - bearable, 0.0)
+        return out
+
+
+class TurnsOver(CheckAlone):
+    """A body that is to turn over is upside down on its way.
+
+    Attitudes with the sign of their quaternion tell apart an odd and an even number of turns, no
+    more: a front flip with half a twist to the left ends as half a twist to the right without one.
+    """
+
+    name = "turns_over"
+    unit = "rad"
+
+    def violation(self, knots: Knots) -> Array:
+        """Short of `OVER`, at the first touchdown."""
+        out = np.zeros(len(knots.time))
+        if knots.layout.turns:
+            lean = np.arccos(np.clip(rotation_matrices(knots.quat)[:, 2, 2], -1.0, 1.0))
+            out[knots.flights[0].stop] = max(OVER - float(lean.max()), 0.0)
         return out
 
 

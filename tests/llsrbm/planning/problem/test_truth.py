@@ -1,9 +1,18 @@
 """What the whole body makes of a plan's turn, against what the model says."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from llsrbm.planning.problem.constraints.truth import BEARABLE, TrueTurn, turn_error
+from llsrbm.planning.problem.constraints.truth import (
+    BEARABLE,
+    OVER,
+    TrueTurn,
+    TurnsOver,
+    turn_error,
+)
 from tests.llsrbm.planning.solved import TYPES, changed, solved, variable
 
 
@@ -29,3 +38,18 @@ def test_momentum_that_the_body_does_not_have_is_seen():
 
 def test_models_for_comparison_are_not_held_to_it():
     assert TrueTurn().violation(solved("srbm", "twist").knots).max() == 0
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_half_a_twist_is_no_flip(axis):
+    """A whole turn about x or y is upside down on its way, one about z is not."""
+    turn = Rotation.from_euler(axis, np.linspace(0.0, 360.0, 13)[:, None], degrees=True)
+    quat = turn.as_quat(scalar_first=True)
+    knots = SimpleNamespace(
+        time=np.arange(13.0), quat=quat, flights=[slice(2, 9)], layout=SimpleNamespace(turns=True)
+    )
+    expected = np.zeros(13)
+    expected[9] = OVER if axis == "z" else 0.0
+    np.testing.assert_allclose(TurnsOver().violation(knots), expected, atol=1e-9)
+    knots.layout.turns = False
+    assert not TurnsOver().violation(knots).any()

@@ -20,7 +20,13 @@ from llsrbm.planning.solve.planner import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 
-FLIPS = ({"pitch": -2 * np.pi}, {"pitch": 2 * np.pi}, {"pitch": 0.0, "roll": 2 * np.pi})
+FLIPS = (
+    {"type": "flip", "pitch": -2 * np.pi},
+    {"type": "flip", "pitch": 2 * np.pi},
+    {"type": "barrel-roll", "roll": 2 * np.pi},
+    {"type": "barrel-roll", "roll": -2 * np.pi},
+)
+NAMES = ("back", "front", "right", "left")
 TILTS = (0.0, LEAN - 0.01, LEAN + 0.01, np.pi)
 
 
@@ -28,7 +34,7 @@ TILTS = (0.0, LEAN - 0.01, LEAN + 0.01, np.pi)
 def case(**turn):
     """Task, layout, model and the analytic guess of a flip."""
     robot = load_robot("go2")
-    jump = Jump(robot="go2", type="flip", **(turn or FLIPS[0]))
+    jump = Jump(robot="go2", **(turn or FLIPS[0]))
     task, layout = make_task(jump, robot), layout_of(jump, robot, 12)
     model = make_model("llsrbm-plus", robot)
     return task, layout, model, analytic_guess(task, layout, model)
@@ -92,27 +98,28 @@ def test_the_violation_is_by_how_much_it_leans_beyond(tilt):
     np.testing.assert_allclose(found, expected, atol=1e-7)
 
 
-@pytest.mark.parametrize("turn", FLIPS, ids=["back", "front", "roll"])
+@pytest.mark.parametrize("turn", FLIPS, ids=NAMES)
 def test_every_flip_lands_upright_and_nothing_else_has_to(turn):
     _, layout, _, _ = case(**turn)
     applies = [UprightLanding().applies(role) for role in layout.roles]
     assert np.flatnonzero(applies).tolist() == list(landing(layout))
 
 
-@pytest.mark.parametrize("turn", FLIPS, ids=["back", "front", "roll"])
+@pytest.mark.parametrize("turn", FLIPS, ids=NAMES)
 def test_a_body_touches_down_short_of_its_turn_and_never_past_it(turn):
     """Attitudes by SciPy: what is left of a turn about the body's own axis, at any heading."""
     task, layout, _, _ = case(**turn)
     constraint, knot = ShortOfTurn(), landing(layout)[0]
     assert [k for k, role in enumerate(layout.roles) if constraint.applies(role)] == [knot]
-    axis, whole = ("x", turn["roll"]) if turn.get("roll") else ("y", turn["pitch"])
+    name = "roll" if "roll" in turn else "pitch"
+    axis, whole, (least, most) = {"roll": "x", "pitch": "y"}[name], turn[name], SHORT[name]
     low, high = constraint.bounds(task, layout, knot)
     for left in np.radians([-10.0, 0.0, 4.0, 9.0, 15.0, 20.0]):
         angles = [0.7, whole - np.sign(whole) * left]
         R = Rotation.from_euler("Z" + axis.upper(), angles).as_matrix()
         found = R[2, :2]
         within = bool(((low <= found) & (found <= high)).all())
-        assert within == bool(SHORT[0] <= left <= SHORT[1])
+        assert within == bool(least <= left <= most)
 
 
 def test_feet_come_down_onto_their_places_as_the_last_interval_begins():

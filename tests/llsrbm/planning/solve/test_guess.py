@@ -135,7 +135,7 @@ def test_feet_swing_from_where_they_stood_to_where_they_will_stand(name):
 def test_a_flip_turns_over_in_flight(turn):
     """Attitudes turn by the angle that is asked, whole turns among it."""
     robot = load_robot("go2")
-    jump = Jump(robot="go2", type="flip", **turn)
+    jump = Jump(robot="go2", type="barrel-roll" if "roll" in turn else "flip", **turn)
     task, layout = make_task(jump, robot), layout_of(jump, robot)
     made = models.make_model("llsrbm-plus", robot)
     knots = unpack(analytic_guess(task, layout, made), layout, task, made)
@@ -148,6 +148,20 @@ def test_a_flip_turns_over_in_flight(turn):
     assert turned[flight, axis].sum() == pytest.approx(0.8 * (jump.pitch + jump.roll), rel=0.02)
     # The quaternion runs through the turn without a jump.
     assert (np.sum(knots.quat[1:] * knots.quat[:-1], axis=1) > 0.9).all()
+
+
+def test_mirrored_requests_have_mirrored_guesses():
+    robot, mirror, other = load_robot("go2"), [1.0, -1.0, 1.0], [1, 0, 3, 2]
+    made = models.make_model("llsrbm-plus", robot)
+    guessed = []
+    for roll in (2 * np.pi, -2 * np.pi):
+        jump = Jump(robot="go2", type="barrel-roll", roll=roll)
+        task, layout = make_task(jump, robot), layout_of(jump, robot)
+        guessed.append(unpack(analytic_guess(task, layout, made), layout, task, made))
+    right, left = guessed
+    np.testing.assert_allclose(left.position * mirror, right.position, atol=1e-9)
+    np.testing.assert_allclose(left.quat * [1, -1, 1, -1], right.quat, atol=1e-9)
+    np.testing.assert_allclose(left.feet_in_hip[:, other], right.feet_in_hip, atol=1e-5)
 
 
 def test_a_run_up_starts_and_ends_with_speed():
