@@ -7,10 +7,11 @@
 
 The robot file's [task] does not bound it. A component grows by steps, which are halved where no way
 leads on: following, solving from the last motion, from that motion moved as the analytic guesses
-differ, and from the analytic guess. What its last try violates is printed. `--limit` may be outside
-of the range that requests take; `--without` takes the drives' limits off all joints that have such
-a word in their names; `--wide-arms` lets arms move up to their stops. `--seeds` simulates the
-largest with everything disturbed, `--at` other values on the way, too.
+differ, and from the analytic guess; then the same under other weights, which guide the search and
+bound nothing: of each `--weight` the set. What the last try violates is printed. `--limit` may be
+outside of the range that requests take; `--without` takes the drives' limits off all joints that
+have such a word in their names; `--wide-arms` lets arms move up to their stops. `--seeds` simulates
+the largest with everything disturbed, `--at` other values on the way, too.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from llsrbm.planning.solve.formulation import CLOSE, Attempt, Formulation
 from llsrbm.planning.solve.planner import planner_of
 from llsrbm.planning.solve.progress import Watch
 from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.simulate import simulate
@@ -101,15 +103,20 @@ def ways(form: Formulation, task: Task, last: Attempt | None) -> Iterator[Callab
 
 
 def attempted(
-    form: Formulation, jump: llsrbm.Jump, limits: dict[str, float], last: Attempt | None
+    form: Formulation, jump: llsrbm.Jump, tunings: list[Tuning], last: Attempt | None
 ) -> Attempt:
-    """The first attempt that is solved, or else that which violates least."""
-    task = put_limits(make_task(jump, form.robot), limits)
+    """The first attempt that is solved, or else that which violates least.
+
+    The weights of the last one come first.
+    """
     tried = []
-    for solve in ways(form, task, last):
-        tried.append(form.agreed(solve(), Watch()))
-        if tried[-1].solved:
-            return tried[-1]
+    for tuning in sorted(tunings, key=lambda own: last is None or own is not last.task.tuning):
+        task = put_limits(make_task(jump, form.robot, tuning.weights), tuning.limits)
+        task = replace(task, tuning=tuning)
+        for solve in ways(form, task, last):
+            tried.append(form.agreed(solve(), Watch()))
+            if tried[-1].solved:
+                return tried[-1]
     return min(tried, key=lambda attempt: excess(attempt.violations))
 
 
@@ -117,7 +124,7 @@ def grown(
     form: Formulation,
     jump: llsrbm.Jump,
     kind: str,
-    limits: dict[str, float],
+    tunings: list[Tuning],
     at: list[float],
 ) -> tuple[dict[float, Attempt], str]:
     """Value -> attempt of the values in `at` and the largest that is planned; and what ends it.
@@ -129,9 +136,10 @@ def grown(
     while step > 0.99 * finest:
         ahead = [v for v in at if value + 1e-9 < v < value + step - 1e-9]
         aim = min(ahead, default=value + step)
-        attempt = attempted(form, replace(jump, **{name: aim}), limits, last)
+        attempt = attempted(form, replace(jump, **{name: aim}), tunings, last)
         if attempt.solved:
             value, last = aim, attempt
+            print(f"  {shown(kind, aim)}", flush=True)
             if any(abs(aim - v) < 1e-9 for v in at):
                 kept[aim] = attempt
         else:
@@ -168,12 +176,15 @@ def main(
     components: str = "forward,up,twist",
     arms: Annotated[str, typer.Option(help="free, held or both.")] = "free",
     limit: Annotated[list[str] | None, typer.Option(help="NAME=VALUE, SI units.")] = None,
+    weight: Annotated[list[str] | None, typer.Option(help="Sets of NAME=VALUE.")] = None,
     without: Annotated[str, typer.Option(help="Words in names of joints.")] = "",
     wide_arms: Annotated[bool, typer.Option("--wide-arms")] = False,
     at: Annotated[str, typer.Option(help="Further values to simulate; deg, m.")] = "",
     seeds: Annotated[str, typer.Option(help="First:last+1 of simulations.")] = "",
 ) -> None:
-    limits = {name: float(value) for name, value in (part.split("=") for part in limit or [])}
+    limits = given(limit or [])
+    tunings = [Tuning(given(words.split(",")), limits) for words in weight or []]
+    tunings = tunings or [Tuning({}, limits)]
     for robot in robots.split(","):
         if without:
             ignore_drives(load_robot(robot), without.split(","))
@@ -185,7 +196,7 @@ def main(
                 values = [float(v) for v in at.split(",") if v]
                 if kind == "twist":
                     values = [math.radians(v) for v in values]
-                kept, why = grown(form, jump, kind, limits, values)
+                kept, why = grown(form, jump, kind, tunings, values)
                 for value, attempt in kept.items():
                     plan = form.plan(attempt, 1, 0.0, 0.0)
                     text = f"{robot} arms {held} {kind}: {shown(kind, value)}; "
@@ -193,6 +204,10 @@ def main(
                     if seeds:
                         print("  " + landed(plan, form.robot, seeds_of(seeds)), flush=True)
                 print(f"  ends at {why}", flush=True)
+
+
+def given(words: list[str]) -> dict[str, float]:
+    return {name: float(value) for name, value in (word.split("=") for word in words)}
 
 
 def landed(plan: Plan, robot: Robot, seeds: range) -> str:
