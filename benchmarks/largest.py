@@ -52,6 +52,7 @@ GROWING = {
 }
 WIDE = {"twist": (-12.0, 12.0), "forward": (-3.0, 3.0), "height": (-2.0, 2.0)}
 NO_LIMIT = 20.0  # times what a drive gives, of drives without limits; rows have finite bounds
+REGROWN = 1.4  # times the step, where one has led on
 FURTHEST = 720.0  # deg, or m: where the search ends
 
 
@@ -131,14 +132,14 @@ def grown(
 
     `at`: values on the way, in the component's own unit.
     """
-    name, step, finest = GROWING[kind]
-    value, last, kept, why = 0.0, None, dict[float, Attempt](), ""
+    name, first, finest = GROWING[kind]
+    step, value, last, kept, why = first, 0.0, None, dict[float, Attempt](), ""
     while step > 0.99 * finest:
         ahead = [v for v in at if value + 1e-9 < v < value + step - 1e-9]
         aim = min(ahead, default=value + step)
         attempt = attempted(form, replace(jump, **{name: aim}), tunings, last)
         if attempt.solved:
-            value, last = aim, attempt
+            value, last, step = aim, attempt, min(REGROWN * step, first)
             print(f"  {shown(kind, aim)}", flush=True)
             if any(abs(aim - v) < 1e-9 for v in at):
                 kept[aim] = attempt
