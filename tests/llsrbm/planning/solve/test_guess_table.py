@@ -32,7 +32,7 @@ UNSEEN = {
     "slider": [{"forward": 0.15}],
 }
 LARGEST = 2 * 10**6  # bytes
-TABLED = ("anymal", "g1_legs", "go2", "slider")
+TABLED = ("anymal", "g1", "g1_legs", "go2", "slider")
 
 
 def planner(robot="anymal"):
