@@ -19,6 +19,7 @@ from llsrbm.planning.solve.planner import INTERVALS, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
+from llsrbm.request.jump_types import of_its_type
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 
@@ -68,6 +69,7 @@ def plan(
         NotConverged: no attempt satisfied every constraint. With patience and the default solver
             its `nearest` is the plan of the nearest jump, and its `reason` what stops the rest.
     """
+    jump = of_its_type(jump)
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
     start = time.perf_counter()

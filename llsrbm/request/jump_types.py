@@ -103,6 +103,8 @@ class JumpType(Table):
         Field(alias="asks", description=f"some of {', '.join(TYPE_PARAMETERS)}"),
     ] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)  # what it says if it is silent
+    # Names of the types that requests with other whole turns are of, which need other limits.
+    instead: dict[Literal["roll", "pitch"], str] = Field(default_factory=dict)
     weights: dict[str, float] = Field(default_factory=dict)  # in place of the robot's
     limits: dict[str, float] = Field(default_factory=dict)  # likewise
     displacement: tuple[Displacement, ...] = ()  # of each jump of several; none: the request's
@@ -184,12 +186,24 @@ def schedule_of(jump: Jump, robot: Legs) -> Schedule:
     return load_type(jump.type).schedule(robot, jump)
 
 
+def of_its_type(jump: Jump) -> Jump:
+    """The request, of the type that its whole turn is of: "flip" with a roll is a barrel roll.
+
+    Raises `InputError`: see `load_type`.
+    """
+    for name, other in load_type(jump.type).instead.items():
+        if getattr(jump, name):
+            return replace(jump, type=other)
+    return jump
+
+
 def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
     """The request with its type's defaults (or `Jump`'s) in `TYPE_PARAMETERS` that are not `given`.
 
     A roll is enough of a turn: a request that has one keeps its pitch, and the other way round.
     Raises `InputError`: see `load_type`.
     """
+    jump = of_its_type(jump)
     defaults = load_type(jump.type).defaults
     turned = any(name in given for name in _TURNS)
     plain = Jump().as_dict()

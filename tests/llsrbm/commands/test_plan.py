@@ -39,6 +39,7 @@ def test_options_become_a_request_in_radians(planner, capsys):
         ("--type flip", llsrbm.Jump(type="flip", pitch=-math.tau)),
         ("--type flip --pitch 360", llsrbm.Jump(type="flip", pitch=math.tau)),
         ("--type barrel-roll --roll -360", llsrbm.Jump(type="barrel-roll", roll=-math.tau)),
+        ("--type flip --roll -360", llsrbm.Jump(type="barrel-roll", roll=-math.tau)),
         ("--type hops", llsrbm.Jump(type="hops", hops=2)),
         ("--type hops --hops 3 --forward 0.2", llsrbm.Jump(type="hops", hops=3, forward=0.2)),
         ("--type run-up", llsrbm.Jump(type="run-up", speed=0.5)),
@@ -80,7 +81,7 @@ def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
     ("words", "said"),
     [
         ("barrel-roll --robot go1", "roll: no plan of go1 with whole turns of roll is known; "),
-        ("flip --robot go2 --roll 360", "roll: jumps of type flip do not turn so; expected the ty"),
+        ("hops --robot go2 --roll 360", "roll: jumps of type hops do not turn so; expected the ty"),
         ("flip --robot anymal", "anymal has no table [turning] in its file"),
     ],
 )
