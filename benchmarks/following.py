@@ -5,15 +5,17 @@
 Requests and disturbances are those of `benchmarks.range` for the seed, one simulation a plan. Plans
 are kept in the folder P: another version that is given the same folder follows the same plans, and
 one that is run `--against` the file of results that another wrote prints both. `--refine` follows
-what the second stage makes of them.
+what the second stage makes of them, `--delay-unknown` with a controller that does not find out how
+late its drives are.
 The controller was tuned on seeds below 500.
 
 Columns, over all plans: simulations that stand, strict ones; share with a yaw within 5 deg at the
 first contact; those beyond a joint's stop by more than 0.1 % of its range and the largest such
 share (of the plans in brackets); those beyond a joint's largest speed, and the largest share of it;
 medians of the RMS errors until touchdown of base, joints (take-off, flight) and torque (take-off,
-share of the limit, against the plan's straight between the middles of its intervals); the
-controller's tick.
+share of the limit, against the plan's straight between the middles of its intervals); medians of
+the CoM's velocity's and the angular momentum's errors just after lift-off, of delayed simulations
+alone; the controller's tick.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ import typer
 import llsrbm
 from benchmarks.counting import write_lines
 from benchmarks.range import COMPONENTS, requests
+from llsrbm.control import delay
 from llsrbm.motion.sampling import sampled
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.planning.whole_body.refine import refined
@@ -35,6 +38,7 @@ from llsrbm.robots import load_robot
 
 _TOUCHED = 1e-3  # of a joint's range: a stop is pressed, not passed
 _YAW = 5.0  # deg
+_AFTER = 0.02  # s after the planned lift-off, when no foot pushes any more
 
 
 def plan_of(request: dict[str, Any], folder: Path) -> llsrbm.Plan | None:
@@ -80,7 +84,11 @@ def follow(plan: llsrbm.Plan, seed: int) -> dict[str, Any]:
     joint = np.full_like(rollout.joint_position, np.nan)
     joint[before] = rollout.joint_position[before] - wanted["joint_position"][:, planned]
     yaw = outcome.yaw_error_at_touchdown
+    velocity, momentum = lift_off_errors(plan, rollout)
     return {
+        "delayed": rollout.disturbance.torque_delay_ticks > 0,
+        "lift_off_velocity": velocity,
+        "lift_off_momentum": momentum,
         "status": outcome.status,
         "strict": outcome.strict,
         "yaw_deg": 180.0 if yaw is None else float(np.degrees(yaw)),
@@ -95,6 +103,16 @@ def follow(plan: llsrbm.Plan, seed: int) -> dict[str, Any]:
         "median_s": outcome.tick_median_s,
         "p99_s": outcome.tick_p99_s,
     }
+
+
+def lift_off_errors(plan: Any, rollout: Any) -> tuple[float, float]:
+    """Sizes of the errors of velocity, m/s, and angular momentum, kg m2/s, just after lift-off."""
+    k = int(np.searchsorted(rollout.time, plan.lift_off + _AFTER))
+    wanted = sampled(plan, rollout.time[k : k + 1], ("com_velocity", "angular_momentum"))
+    span = rollout.time[k + 1] - rollout.time[k - 1]
+    velocity = (rollout.com[k + 1] - rollout.com[k - 1]) / span - wanted["com_velocity"][0]
+    momentum = rollout.angular_momentum[k] - wanted["angular_momentum"][0]
+    return float(np.linalg.norm(velocity)), float(np.linalg.norm(momentum))
 
 
 def torque_error(plan: Any, rollout: Any, planned: list[int], own: list[int]) -> float:
@@ -121,6 +139,7 @@ def row(name: str, results: list[dict[str, Any]]) -> str:
         return np.array([result[key] for result in results], dtype=float)
 
     stop, planned, speed = of("stop"), of("planned_stop"), of("speed")
+    late = of("delayed") > 0
     stands = sum(result["status"] == "landed" for result in results)
     return (
         f"| {name} | {len(results)} | {stands} | {of('strict').sum():.0f} "
@@ -129,7 +148,10 @@ def row(name: str, results: list[dict[str, Any]]) -> str:
         f"{100 * max(stop.max(), 0):.1f} % ({100 * max(planned.max(), 0):.1f} %) "
         f"| {np.sum(speed > 1)}, {speed.max():.2f} | {np.median(of('base_mm')):.1f} mm "
         f"| {np.median(of('joint_rising')):.3f}, {np.median(of('joint_flying')):.3f} "
-        f"| {100 * np.median(of('torque')):.1f} % | {np.sum(of('unsolved') > 0)} "
+        f"| {100 * np.median(of('torque')):.1f} % "
+        f"| {1e3 * np.median(of('lift_off_velocity')[late]):.1f} mm/s, "
+        f"{1e3 * np.median(of('lift_off_momentum')[late]):.1f} g m2/s ({late.sum()}) "
+        f"| {np.sum(of('unsolved') > 0)} "
         f"| {1e6 * np.median(of('median_s')):.0f}, {1e6 * np.median(of('p99_s')):.0f} us |"
     )
 
@@ -142,14 +164,19 @@ def main(
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
     against: Annotated[Path | None, typer.Option(help="Results to print as well.")] = None,
     refine: Annotated[bool, typer.Option("--refine", help="With the second stage.")] = False,
+    delay_unknown: Annotated[
+        bool, typer.Option("--delay-unknown", help="Of drives, to the controller.")
+    ] = False,
 ) -> None:
     """Print a row a robot."""
+    if delay_unknown:
+        delay.MOST = 0
     plans.mkdir(parents=True, exist_ok=True)
     print(
         "| robot | plans | stand | strict | yaw < 5 deg | beyond a stop (planned) | too fast "
-        "| base | joints | torque | unsolved | tick, p99 |"
+        "| base | joints | torque | lift-off | unsolved | tick, p99 |"
     )
-    print("|---" * 12 + "|")
+    print("|---" * 13 + "|")
     known = [json.loads(line) for line in against.read_text().splitlines()] if against else []
     every = []
     for robot in robots.split(","):

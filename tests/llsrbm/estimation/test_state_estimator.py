@@ -81,6 +81,15 @@ def test_a_robot_at_rest_stays_where_it_is_and_learns_its_gyroscopes_bias(name):
     np.testing.assert_allclose(estimator.filter.gyro_bias, np.mean(rates, axis=0), atol=3e-3)
 
 
+def test_four_feet_say_how_the_base_is_tilted_at_first():
+    """Better than an inertial unit whose accelerometer has a bias; two points do not say it."""
+    q0 = ANYMAL.posture.copy()
+    wrong = Rotation.from_euler("y", 0.01).as_quat(scalar_first=True)
+    for standing, tilt in ((STANDING, 0.0), (np.array([True, False, False, True]), 0.01)):
+        q, _ = StateEstimator(ANYMAL, q0).update(resting(q0, quat=wrong), standing)
+        assert Rotation.from_quat(q[3:7]).magnitude() == pytest.approx(tilt, abs=1e-9)
+
+
 def test_in_flight_it_is_an_integrator():
     """SciPy's, of a body that turns and is pushed by its legs, from the same readings."""
     q0 = ANYMAL.posture

@@ -80,6 +80,26 @@ def test_the_plan_is_the_one_without_and_comes_sooner(robot, asked):
         assert np.abs(warm.com - cold.com).max() < 5e-3
 
 
+BACK = Jump(robot="go2", type="flip", pitch=-2 * np.pi)
+
+
+def test_flips_begin_from_flips():
+    """The nearest one, with what the whole body says of it: one solve, where a guess takes two."""
+    own = planner_of(BACK)
+    for asked in (BACK, replace(BACK, twist=0.05, forward=0.05)):
+        plan = own.plan(asked, guesses=True)
+        assert (plan.report.guess, plan.report.attempts) == (NEARBY, 1)
+    again = own.plan(replace(asked, forward=asked.forward + 0.02), near=plan)
+    assert again.report.guess == FOLLOWED
+
+
+def test_a_table_of_flips_is_for_no_other_turn():
+    own = planner_of(BACK)
+    assert own.guesses.start(make_task(BACK, own.robot)) is not None
+    front = make_task(replace(BACK, pitch=2 * np.pi), own.robot)
+    assert own.guesses.start(front) is None
+
+
 def test_the_planner_itself_depends_on_the_request_alone():
     """Sweeps rely on it."""
     assert planner().plan(Jump(twist=2.0)).report.guess == COLD
@@ -239,7 +259,7 @@ def test_where_it_leads_nowhere_nothing_is_lost(monkeypatch):
 
     def far(self, task):
         sizes = planner().formulation.solver.sizes
-        return Iterate(np.full(sizes[0], 1e3), np.zeros(sizes[1]))
+        return task.jump, Iterate(np.full(sizes[0], 1e3), np.zeros(sizes[1]))
 
     monkeypatch.setattr(Guesses, "start", far)
     jump, said = Jump(forward=0.2), []
