@@ -88,6 +88,12 @@ def _macros(path: str) -> str:
 
 def c_files(transcription: Transcription) -> dict[str, str]:
     """Name -> content of the C files of a library with a transcription's functions."""
+    # CasADi compiles what stands for functions elsewhere as it makes it, or it cannot be called.
+    with tempfile.TemporaryDirectory() as scratch:
+        return _written(transcription, scratch)
+
+
+def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
     files: dict[str, str] = {}
 
     def write(name: str, *functions: ca.Function) -> None:
@@ -98,7 +104,7 @@ def c_files(transcription: Transcription) -> dict[str, str]:
 
     def mapped_in_c(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
         write(function.name(), function)
-        return mapped(_elsewhere(function), count, *arguments)
+        return mapped(_elsewhere(function, scratch), count, *arguments)
 
     functions = transcription.assembled(mapped_in_c)
     structure = ca.Function("structure", [], [ca.DM(n) for n in transcription.structure.as_lists()])
@@ -106,8 +112,11 @@ def c_files(transcription: Transcription) -> dict[str, str]:
     return files
 
 
-def _elsewhere(function: ca.Function) -> ca.Function:
-    """A function that stands for one in another file, in generated code."""
+def _elsewhere(function: ca.Function, scratch: str) -> ca.Function:
+    """A function that stands for one in another file, in generated code.
+
+    CasADi's own files of it go into the folder `scratch`.
+    """
     name, n_in, n_out = function.name(), function.n_in(), function.n_out()
     # CasADi has moved both pointers past the arguments before the body begins.
     body = (
@@ -119,7 +128,8 @@ def _elsewhere(function: ca.Function) -> ca.Function:
         [function.sparsity_in(i) for i in range(n_in)],
         [function.sparsity_out(i) for i in range(n_out)],
     )
-    return ca.Function.jit(f"call_{name}", body, *names, *sparsities, {"buffered": False})
+    options = {"buffered": False, "jit_options": {"directory": f"{scratch}/"}}
+    return ca.Function.jit(f"call_{name}", body, *names, *sparsities, options)
 
 
 def packed(files: Mapping[str, str]) -> bytes:

@@ -22,7 +22,7 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import excess
-from llsrbm.planning.solve.attempts import NEARER, by_stronger_drives, from_nearby, usable_start
+from llsrbm.planning.solve.attempts import by_stronger_drives, from_nearby, usable_start
 from llsrbm.planning.solve.formulation import (
     Array,
     Attempt,
@@ -314,10 +314,9 @@ class Planner:
         The momentum of a body that turns over, and where its feet roll to, are never those of the
         model alone: without what the whole body says of the solution nearby that one is none.
         """
-        if not task.jump.turns:
-            return from_nearby(self.formulation, start, task, watch)
-        minded = minding_near(self.formulation, task, jump, start)
-        return self.formulation.solve(minded, start.variables, watch, NEARER)
+        if task.jump.turns:
+            task = minding_near(self.formulation, task, jump, start)
+        return from_nearby(self.formulation, start, task, watch)
 
     def last_knots(self) -> Knots:
         """The last solution in full, for tests and studies."""

@@ -111,12 +111,12 @@ def test_a_body_touches_down_short_of_its_turn_and_never_past_it(turn):
     task, layout, _, _ = case(**turn)
     constraint, knot = ShortOfTurn(), landing(layout)[0]
     assert [k for k, role in enumerate(layout.roles) if constraint.applies(role)] == [knot]
-    name = "roll" if "roll" in turn else "pitch"
-    axis, whole, (least, most) = {"roll": "x", "pitch": "y"}[name], turn[name], SHORT[name]
+    axis, whole = ("X", turn["roll"]) if "roll" in turn else ("Y", turn["pitch"])
+    least, most = SHORT["roll" if axis == "X" else "front" if whole > 0 else "back"]
     low, high = constraint.bounds(task, layout, knot)
-    for left in np.radians([-10.0, 0.0, 4.0, 9.0, 15.0, 20.0]):
+    for left in np.radians([-10.0, 0.0, 4.0, 11.0, 15.0, 19.0, 22.0]):
         angles = [0.7, whole - np.sign(whole) * left]
-        R = Rotation.from_euler("Z" + axis.upper(), angles).as_matrix()
+        R = Rotation.from_euler("Z" + axis, angles).as_matrix()
         found = R[2, :2]
         within = bool(((low <= found) & (found <= high)).all())
         assert within == bool(least <= left <= most)
