@@ -13,8 +13,8 @@ anew where it turns out to have moved. Balls roll: at lift-off of a Go2 their mi
 11 cm/s, by what rolling leaves unexplained at 1 to 4 cm/s. A sole counts as the four balls at its
 corners, each by itself, so that it tells how the base turns.
 
-Feet that creep are the limit: on soft ground those of a front flip slide by a centimetre while they
-push, unseen, and the robot jumps off with 0.1 m/s too much.
+Feet that creep are the limit: on soft ground those of a front flip sink and slide by millimetres as
+they take the load, unseen, and the robot jumps off with 0.1 to 0.2 m/s too much.
 
 In flight, `standing` nowhere, gyroscope and accelerometer are integrated. An accelerometer feels
 nothing in free fall, and a gyroscope's bias is known from standing, so a flight costs little: the

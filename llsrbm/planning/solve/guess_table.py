@@ -343,8 +343,8 @@ def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
         raise RefusedTable(path, "it is damaged (sizes)")
     first, robot = table.solution(0), formulation.robot
     fields: dict[str, Any] = {**table.kind, **table.request(0)}
-    asked = Jump(robot=str(robot.path), model=formulation.model.name, **fields)
-    task = make_task(asked, robot)
+    jump = Jump(robot=str(robot.path), model=formulation.model.name, **fields)
+    task = make_task(jump, robot)
     stale = STALE_ROWS
     if task.jump.turns:
         task, stale = formulation.minding_start(task, first), STALE_TURNING
