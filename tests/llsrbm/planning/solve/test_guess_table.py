@@ -86,11 +86,10 @@ BACK = Jump(robot="go2", type="flip", pitch=-2 * np.pi)
 def test_flips_begin_from_flips():
     """The nearest one, with what the whole body says of it: one solve, where a guess takes two."""
     own = planner_of(BACK)
-    for asked in (BACK, replace(BACK, twist=0.05, forward=0.05)):
-        plan = own.plan(asked, guesses=True)
-        assert (plan.report.guess, plan.report.attempts) == (NEARBY, 1)
-    again = own.plan(replace(asked, forward=asked.forward + 0.02), near=plan)
-    assert again.report.guess == FOLLOWED
+    plan = own.plan(BACK, guesses=True)
+    assert (plan.report.guess, plan.report.attempts) == (NEARBY, 1)
+    again = own.plan(replace(BACK, forward=0.02), near=plan)
+    assert (again.report.guess, again.report.attempts) == (FOLLOWED, 1)
 
 
 def test_a_table_of_flips_is_for_no_other_turn():
