@@ -79,7 +79,7 @@ def test_a_biped_is_offered_what_it_can_do(tab, session):
     [
         ("Jump type", ["Flip"]),
         ("Jump type", "../../secret.toml"),
-        ("Turn", "roll right"),
+        ("Turn", "roll upwards"),
         ("Hops", 1e9),
         ("Speed [m/s]", float("nan")),
     ],
