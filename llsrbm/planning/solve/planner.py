@@ -291,7 +291,7 @@ class Planner:
             yield FOLLOWED, lambda: self._followed(task, *last, watch)
         nearby = self.guesses.start(task) if guesses else None
         if nearby is not None:
-            yield NEARBY, lambda: self._from_table(task, *nearby, watch)
+            yield NEARBY, lambda: self._from_solution(task, *nearby, watch)
         if nearby is None or not hurried:
             options = HURRIED if hurried else solve_options(task)
             solve = partial(self.formulation.solve, task, guess(task), watch, options)
@@ -303,13 +303,13 @@ class Planner:
             )
 
     def _followed(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
-        """The attempt from a jump's solution, the last one."""
+        """The attempt from the solution of the last jump."""
         if task.jump.turns:
-            return self._from_table(task, jump, start, watch)
+            return self._from_solution(task, jump, start, watch)
         return self.formulation.follow(task, start, watch)
 
-    def _from_table(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
-        """The attempt from a jump's solution, in a table.
+    def _from_solution(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
+        """The attempt from the solution of a jump nearby, of a table or a whole turn before.
 
         The momentum of a body that turns over, and where its feet roll to, are never those of the
         model alone: without what the whole body says of the solution nearby that one is none.
