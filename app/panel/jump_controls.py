@@ -159,7 +159,7 @@ class JumpControls:
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request as the controls stand, else `current`, and what had to be corrected."""
-        jump, complaints = self._fields.read(current, self._robots[current.robot])
+        jump, complaints = self._fields.read(current, self._file_of(current))
         robot = _named("Robot", self._robot.value, self._robot_titles, current.robot, complaints)
         model = _named("Model", self._model.value, self._model_titles, current.model, complaints)
         kinds = {title_of_type(name): name for name in (*self._types, current.type)}
@@ -183,7 +183,7 @@ class JumpControls:
         """Put the controls where a request has them, with the ranges of its robot."""
         put(self._robot, self._robots[jump.robot].title)
         put(self._model, _MODEL_TITLES.get(jump.model, jump.model))
-        self._fields.show(jump, self._robots[jump.robot])
+        self._fields.show(jump, self._file_of(jump))
         self.show_type(jump)
 
     def show_type(self, jump: Jump) -> None:
@@ -195,6 +195,9 @@ class JumpControls:
             _put_among(self._turn, turns, turn_title(jump))
         self._turn.visible = bool(turns)
         self._fields.show_there(jump)
+
+    def _file_of(self, jump: Jump) -> RobotFile:
+        return self._robots[jump.robot].for_jump(turns=jump.turns)
 
     def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, Any]:
         """Pitch and roll, if the type asks for them and the menu does not show what they are."""

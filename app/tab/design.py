@@ -52,7 +52,7 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
     if jump.type == jump_types.DEFAULT:
         example = file.example.model_dump()
         return Jump(robot=jump.robot, model=jump.model, arms=jump.arms, **example)
-    ends = file.task.model_dump()
+    ends = file.for_jump(turns=jump.turns).task.model_dump()
     within = {name: min(max(getattr(jump, name), low), high) for name, (low, high) in ends.items()}
     return replace(jump, **within)
 

@@ -151,7 +151,7 @@ class Rendering:
             panel.buttons[act].disabled = not enabled
             panel.buttons[act].visible = visible
         self._buttons = buttons
-        self._show_design(state, anew=before is not None and state.file is not before.file)
+        self._show_design(state, anew=before is not None and state.file != before.file)
         panel.files.show_design(state.design.title, state.note)
         panel.files.show_busy(state.files.saving_note or state.files.opening_note)
         choice = state.file_choice

@@ -280,8 +280,9 @@ class TabState:
 
     @property
     def file(self) -> RobotFile:
-        """Of the design's robot."""
-        return self.robots[self.design.jump.robot]
+        """Of the design's robot, as it applies to the design's jump."""
+        jump = self.design.jump
+        return self.robots[jump.robot].for_jump(turns=jump.turns)
 
     @property
     def file_choice(self) -> FileChoice:

@@ -30,6 +30,8 @@ class Finding:
         allowed: what `worst` may be, or has to be at least where it is a distance between bodies.
         where: joint, foot or pair of links; time_s: s, of the motion's own time.
         holds: None if it cannot be known.
+        beyond_s: s, how long the joint, foot or pair `where` is beyond what is allowed, in all;
+            None where it is not, or where that is not counted.
         why: reason why it is not known, or why there is nothing to hold.
     """
 
@@ -42,6 +44,7 @@ class Finding:
     holds: bool | None
     allowed: float | None = None
     why: str = ""
+    beyond_s: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data without the name, null for what is not known or not finite."""
@@ -52,6 +55,14 @@ class Finding:
     def is_length(self) -> bool:
         """True if `worst` is in m; otherwise it is a share of the limit."""
         return self.name in LENGTHS
+
+    @property
+    def when(self) -> str:
+        """The instant, for people, and how long what is allowed is exceeded."""
+        if self.time_s is None:
+            return ""
+        long = "" if self.beyond_s is None else f", {1e3 * self.beyond_s:.0f} ms beyond"
+        return f"{self.time_s:.2f} s{long}"
 
     def shown(self, value: float) -> str:
         """A value like `worst`, for people: mm, or per cent of the limit."""
@@ -95,10 +106,13 @@ class Check(ABC):
         bad = np.where(np.isnan(values), np.inf, values)  # no number is as bad as can be
         k, n = (int(i) for i in np.unravel_index(np.argmax(bad), bad.shape))
         worst, limit = float(bad[k, n]), float(np.broadcast_to(limits, bad.shape)[k, n])
+        holds = worst <= allowed
+        beyond = np.append(np.diff(motion.time), 0.0)[bad[:, n] > allowed].sum()
         return Finding(
             *(self.name, worst, limit, self.unit, names[n], float(motion.time[k])),
-            holds=worst <= allowed,
+            holds=holds,
             allowed=allowed,
+            beyond_s=None if holds else float(beyond),
         )
 
     def least(

@@ -69,4 +69,4 @@ def _row(found: Finding) -> tuple[str, ...]:
         return (*head, "-", "-", "-", found.why, "")
     shown = [found.shown(value) for value in (found.worst, found.allowed)]
     limit = f"{found.limit:.4g} {found.unit}".strip()
-    return (*head, *shown, limit, found.where, f"{found.time_s:.3f} s")
+    return (*head, *shown, limit, found.where, found.when)

@@ -242,23 +242,12 @@ class Robot:
         """
         if self.turns_over:
             return self
-        table = self.file.turning
-        if table is None:
+        if self.file.turning is None:
             raise InputError(
                 f"{self.name} has no table [turning] in its file, and does no flips or rolls; "
                 "expected its reach and timing for a body that turns over"
             )
-        limits = {
-            name: limit
-            for name in ("torque_share", "speed_share", "knee_margin")
-            if (limit := getattr(table, name)) is not None
-        }
-        changed = {
-            "reach": table.reach,
-            "timing": table.timing,
-            "limits": self.file.limits.model_copy(update=limits),
-        }
-        return replace(self, file=self.file.model_copy(update=changed), turns_over=True)
+        return replace(self, file=self.file.turned, turns_over=True)
 
     @cached_property
     def fit(self) -> LegFit:

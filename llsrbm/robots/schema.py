@@ -235,6 +235,7 @@ class Turning(Table):
         axes: of the body, about which such jumps have been found: pitch of flips, roll of barrel
             rolls. Requests about another one are refused, and the page offers none.
         torque_share, speed_share, knee_margin: in place of those of `Limits`.
+        height: in place of that of `Task`, m.
     """
 
     axes: Annotated[tuple[Literal["pitch", "roll"], ...], Field(min_length=1)] = ("pitch", "roll")
@@ -243,6 +244,7 @@ class Turning(Table):
     torque_share: Positive | None = None
     speed_share: Positive | None = None
     knee_margin: Positive | None = None
+    height: Interval | None = None
 
 
 class Example(Table):
@@ -305,6 +307,28 @@ class RobotFile(Table):
     def turning_axes(self) -> tuple[str, ...]:
         """Of `pitch` and `roll` those about which it makes whole turns; none without [turning]."""
         return self.turning.axes if self.turning is not None else ()
+
+    @property
+    def turned(self) -> RobotFile:
+        """As [turning] has it, for jumps in which the body turns over; itself without one."""
+        if self.turning is None:
+            return self
+        shares = ("torque_share", "speed_share", "knee_margin")
+        given = {name: getattr(self.turning, name) for name in (*shares, "height")}
+        limits = {name: given[name] for name in shares if given[name] is not None}
+        height = {} if given["height"] is None else {"height": given["height"]}
+        return self.model_copy(
+            update={
+                "reach": self.turning.reach,
+                "timing": self.turning.timing,
+                "limits": self.limits.model_copy(update=limits),
+                "task": self.task.model_copy(update=height),
+            }
+        )
+
+    def for_jump(self, *, turns: bool) -> RobotFile:
+        """What applies to a jump: `turned`, if its body turns over."""
+        return self.turned if turns else self
 
     @model_serializer(mode="wrap")
     def _without_arms_if_none(self, serialise: SerializerFunctionWrapHandler) -> dict[str, Any]:

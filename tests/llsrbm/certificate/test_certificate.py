@@ -10,7 +10,7 @@ from llsrbm import cli
 from llsrbm.certificate import CHECKS
 from llsrbm.certificate.sampled_motion import SampledMotion
 
-FIELDS = {"worst", "limit", "unit", "where", "time_s", "holds", "allowed", "why"}
+FIELDS = {"worst", "limit", "unit", "where", "time_s", "holds", "allowed", "why", "beyond_s"}
 
 
 @pytest.fixture(scope="module")

@@ -100,6 +100,14 @@ def test_speed(falling, share, names):
     assert broken(motion) == names
 
 
+def test_how_long_a_joint_is_too_fast(falling):
+    falling.v[3:6, 6 + CALF] = 2 * 15.7
+    motion = replace(balanced(falling), recorded_torque=np.zeros((COUNT, 12)))
+    (found,) = (check.find(motion) for check in CHECKS if check.name == "joint_speed")
+    assert found.beyond_s == pytest.approx(falling.time[6] - falling.time[3])
+    assert found.when.endswith(f", {1e3 * found.beyond_s:.0f} ms beyond")
+
+
 @pytest.mark.parametrize(
     ("share", "names"), [(1.009, set()), (1.011, {"joint_torque", "torque_at_speed"})]
 )
