@@ -229,6 +229,7 @@ def _atlas(page: Page) -> None:
     unfold(page, "Atlas")
     choose(page, "Colour", "Limiting constraint")
     page.locator(".llsrbm-atlas .legend").wait_for(timeout=PATIENCE)
+    page.locator(".llsrbm-atlas").evaluate("place => place.scrollIntoView({block: 'nearest'})")
     hold(page, 0.55)
 
 
