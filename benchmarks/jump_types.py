@@ -5,11 +5,13 @@
     python -m benchmarks.jump_types score --names roll --robots go2
     python -m benchmarks.jump_types reach --robots anymal,go2
     python -m benchmarks.jump_types public
+    python -m benchmarks.jump_types tuck
 
 `score` simulates each type's jumps once a seed with everything disturbed that
 `llsrbm.simulation.disturbance` disturbs; `reach` looks for the longest forward jump that is strict
 in most seeds, pushing off together and with the hind feet last, with the same drives; `public`
-puts Go2's rear-last jumps beside the public planar jumps of the A1. Strict success is defined in
+puts Go2's rear-last jumps beside the public planar jumps of the A1; `tuck` compares back flips
+planned with different models of the inertia. Strict success is defined in
 `llsrbm.simulation.verdict`. Tables are in Markdown.
 """
 
@@ -20,11 +22,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Annotated, NamedTuple
 
+import numpy as np
 import typer
 
 import llsrbm
 from benchmarks.counting import count, seeds_of
+from benchmarks.realised import realise
 from llsrbm.commands import options
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.solve.planner import Planner, planner_of
@@ -271,6 +276,47 @@ def published_row(plan: Plan) -> str:
         f"| {front:.3f} s | {hind:.3f} s | {plan.touchdown:.3f} s | {plan.duration:.3f} s "
         f"| {apex:.3f} m |"
     )
+
+
+@app.command()
+def tuck(robot: str = "go2", models: str = "llsrbm-plus,srbm") -> None:
+    """The back flip as models plan it whose inertia changes with the legs, or does not.
+
+    Inertia about the body's lateral axis, in the middles of the intervals of flight: of the model,
+    and of the whole body in the plan's postures. Angular momentum about that axis at lift-off, as
+    planned. Turn that the whole body would be ahead of the plan at touchdown, with that momentum.
+    """
+    heads = (
+        *("model", "flight", "angular momentum at lift-off", "least inertia"),
+        *("of the whole body, first and least", "fastest turn", "apex of the CoM"),
+        "whole body ahead by",
+    )
+    print(f"| {' | '.join(heads)} |\n{'|---' * len(heads)}|")
+    for model in models.split(","):
+        jump = llsrbm.Jump(robot, model, type="flip", pitch=-math.tau)
+        planner = planner_of(jump)
+        try:
+            plan = planner.plan(jump)
+        except llsrbm.NotConverged as error:
+            print(f"| {model} | no: {error} |" + " |" * (len(heads) - 2))
+            continue
+        (flight,) = plan.schedule.flights
+        knots = np.flatnonzero(plan.phase == flight)
+        lateral = rotation_matrices(plan.base_quat)[knots[0], :, 1]
+        momentum = abs(lateral @ plan.angular_momentum[knots[0]])
+        rate = np.linalg.norm(plan.angular_velocity[knots], axis=1).max()
+        body = realise(planner.last_knots())
+        modelled, true = (
+            each[body.flight, 1] for each in (body.inertias_model, body.inertias_true)
+        )
+        ahead = math.degrees(math.copysign(1.0, jump.pitch) * body.turn_error[1])
+        print(
+            f"| `{model}` | {np.diff(plan.phase_start)[flight]:.3f} s | {momentum:.2f} kg m2/s "
+            f"| {modelled.min():.3f} kg m2 | {true[0]:.3f}, {true.min():.3f} kg m2 "
+            f"| {rate:.1f} rad/s | {plan.com[:, 2].max() - plan.com[0, 2]:.3f} m "
+            f"| {ahead:+.1f} deg |",
+            flush=True,
+        )
 
 
 if __name__ == "__main__":

@@ -146,6 +146,11 @@ def tick(page: Page, *labels: str) -> None:
         page.wait_for_timeout(PACE)
 
 
+def bring_into_sight(page: Page, part: str) -> None:
+    """Scroll a tab or a folder as little as shows a part of it."""
+    page.locator(part).first.evaluate("part => part.scrollIntoView({ block: 'nearest' })")
+
+
 def without_plots(page: Page) -> None:
     """Close the area of the plots."""
     tab(page, "Plots")
@@ -222,6 +227,7 @@ def _seeds(page: Page) -> None:
     unfold(page, "Scenario")
     press(page, "Simulate 20 seeds")
     page.get_by_role("status").filter(has_text=" seeds.").wait_for(timeout=PATIENCE)
+    bring_into_sight(page, ".llsrbm-seeds")
 
 
 def _atlas(page: Page) -> None:
@@ -229,6 +235,7 @@ def _atlas(page: Page) -> None:
     unfold(page, "Atlas")
     choose(page, "Colour", "Limiting constraint")
     page.locator(".llsrbm-atlas .legend").wait_for(timeout=PATIENCE)
+    bring_into_sight(page, ".llsrbm-atlas svg, .llsrbm-atlas canvas")
     hold(page, 0.55)
 
 

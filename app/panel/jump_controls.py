@@ -10,6 +10,7 @@ from typing import Any
 import viser
 
 from app.guard.validation import option, put
+from app.panel import type_picture
 from app.panel.acts import Act, Put, callback
 from app.panel.fields import Ends, Field, Fields
 from app.panel.jump_types import (
@@ -99,6 +100,7 @@ class JumpControls:
         self._model_titles = {_MODEL_TITLES.get(name, name): name for name in models.names()}
         self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
         self._types_of: tuple[Robot, str] | None = None
+        self._drawn_of: tuple[Any, ...] = ()  # robot and request, as far as the picture shows them
         self._robot = gui.add_dropdown(
             "Robot", tuple(self._robot_titles), initial_value=robots[jump.robot].title
         )
@@ -117,6 +119,7 @@ class JumpControls:
         self._fields = Fields(gui, jump, robots[jump.robot], acted, Act.JUMP)
         self._arms = _arms_menu(robots)
         self._fields.add([self._arms])
+        self._picture = gui.add_html(type_picture.EMPTY)
         self._turn = gui.add_dropdown(
             "Turn",
             turns_offered(jump_types.TYPE_PARAMETERS, jump_types.TYPE_PARAMETERS),
@@ -198,6 +201,13 @@ class JumpControls:
 
     def _file_of(self, jump: Jump) -> RobotFile:
         return self._robots[jump.robot].for_jump(turns=jump.turns)
+
+    def show_picture(self, robot: Robot, jump: Jump) -> None:
+        """The feet that stand, phase by phase, and the turn."""
+        drawn_of = (robot, jump.type, jump.hops, jump.pitch, jump.roll)
+        if drawn_of != self._drawn_of and jump.type in self._types:
+            self._drawn_of = drawn_of
+            self._picture.content = type_picture.type_picture(self._types[jump.type], robot, jump)
 
     def _read_turn(self, current: Jump, complaints: list[str]) -> dict[str, Any]:
         """Pitch and roll, if the type asks for them and the menu does not show what they are."""

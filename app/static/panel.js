@@ -12,6 +12,7 @@
 
   const ROWS = 50; // above the tabs, at most; those that are not there have no height
   const VERDICT = "5.4rem"; // height of the verdict: a large word, and three lines
+  const ABOVE = "35rem"; // of the panel, what is not the scenario's: the tabs stay in sight
 
   const FILLED = "rgb(62 78 99)"; // the brand's, dark enough for white letters
 
@@ -46,7 +47,7 @@
       display: flex; align-items: center; justify-content: space-between; font-size: 0.84rem; }
     ${FOLDER} > :last-child { display: none; }
     ${SCENARIO} { padding: 0 !important; display: grid; grid-template-columns: 1fr 1fr; column-gap: 10px;
-      align-items: center; max-height: 34vh; overflow: auto; }
+      align-items: center; max-height: clamp(10rem, 100cqh - ${ABOVE}, 34vh); overflow: auto; }
     ${SCENARIO} > * { min-width: 0; padding: 0 0 5px !important; margin-inline: 0 !important; }
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }

@@ -190,6 +190,8 @@ class Rendering:
             panel.jump.show(design.jump)
         elif other_types:  # sliders stay where a hand may just have put them
             panel.jump.show_type(design.jump)
+        if robot is not None:
+            panel.jump.show_picture(robot, design.jump)
         if anew or design.scenario != controls.scenario:
             panel.scenario.fields.show(design.scenario, state.file)
         elif design.scenario is not self._scenario:
