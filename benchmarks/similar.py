@@ -1,4 +1,4 @@
-"""Another robot's motion as a guess of one's own, by dynamic similarity.
+"""Another robot's flips, by dynamic similarity: its table, and its motion as a guess.
 
 Lengths go with the legs' length, times with its root, forces with the weight.
 """
@@ -16,6 +16,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.guess import LANDING_LOAD, arms_still
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.schema import Reach, Timing, Turning
 
 Array = NDArray[np.float64]
 
@@ -26,6 +27,21 @@ def standing_feet(robot: Robot) -> Array:
     """(L, 3) m: feet of the default posture in their mirrored hip frames."""
     seen: Array = (robot.feet - (robot.base_position + robot.hips)) * robot.mirrors
     return seen
+
+
+def like_go2(robot: Robot) -> Turning:
+    """[turning] of Go2, in proportion to a robot's legs: shares of 0.426 m."""
+    length = robot.file.reach.distance[1] / 0.915
+    side = float(standing_feet(robot)[:, 1].mean())
+    reach = Reach(
+        distance=(0.305 * length, 0.935 * length),
+        lower=(-0.70 * length, side - 0.14 * length, -0.935 * length),
+        upper=(0.70 * length, side + 0.235 * length, -0.235 * length),
+        standing=0.5,
+        about_standing=0.3,
+    )
+    timing = Timing(takeoff=(0.3, 0.8), flight=(0.3, 0.7), landing=(0.4, 1.0))
+    return Turning(axes=("pitch",), reach=reach, timing=timing)
 
 
 def similar(of: Attempt, form: Formulation, task: Task) -> Array:

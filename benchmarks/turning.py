@@ -25,7 +25,7 @@ import typer
 
 import llsrbm
 from benchmarks.scaled_drives import scale_lines, with_scaled
-from benchmarks.similar import similar, standing_feet
+from benchmarks.similar import like_go2, similar
 from llsrbm.planning.problem.constraints import drives
 from llsrbm.planning.problem.constraints.drive_rows import when_in
 from llsrbm.planning.problem.placement import make_task
@@ -36,14 +36,14 @@ from llsrbm.planning.solve.planner import Planner, layout_of
 from llsrbm.planning.solve.progress import Watch
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
-from llsrbm.robots.schema import Reach, Timing, Turning
 
 TURNS = {"front": math.tau, "back": -math.tau}
 SOURCE = "go1"  # flips both ways from the analytic guess, with drives as they are
 # Times the robot's drives: the first plan, the first step, the last one, and the end of the search.
 STRONG, STEP, FINEST, LEAST = 6.0, 0.6, 0.94, 0.4
+NEAR = 0.8  # steps from which on other limits and weights are tried, too
 STEPPED = replace(CLOSE, iterations=80)
-LONGEST_PUSH = 0.7  # s, in place of the type's 0.4
+LONGER_PUSH = (0.06, 0.7)  # s; 0.4 at most of the type's
 AT_LIMIT = 0.97  # share of a bound from which on a joint is at its limit
 # Name -> whether torque, and speed, get weaker.
 SCALED = {"both": (True, True), "torque": (True, False), "speed": (False, True)}
@@ -56,11 +56,9 @@ def others(task: Task) -> Iterator[Task]:
     reach = task.reach.model_copy(update={"standing": 0.35})
     near, far = reach.distance
     deeper = replace(task, reach=reach.model_copy(update={"distance": (0.8 * near, 1.02 * far)}))
-    phases = [
-        replace(phase, time=(0.06, LONGEST_PUSH)) if phase.name == "push" else phase
-        for phase in task.schedule
-    ]
-    longer = replace(deeper, schedule=replace(task.schedule, phases=tuple(phases)))
+    times = {"push": LONGER_PUSH}
+    phases = tuple(replace(p, time=times.get(p.name, p.time)) for p in task.schedule)
+    longer = replace(deeper, schedule=replace(task.schedule, phases=phases))
     low = longer.limits.model_copy(update={"knee_margin": 0.02})
     yield from (task, deeper)
     yield replace(longer, limits=low, weights=task.weights | {"time": 6.0})
@@ -68,36 +66,22 @@ def others(task: Task) -> Iterator[Task]:
     yield replace(longer, limits=low, weights=task.weights | {"swing_effort": effort})
 
 
-def like_go2(robot: Robot) -> Turning:
-    """[turning] of Go2, in proportion to a robot's legs: shares of 0.426 m."""
-    length = robot.file.reach.distance[1] / 0.915
-    side = float(standing_feet(robot)[:, 1].mean())
-    reach = Reach(
-        distance=(0.305 * length, 0.935 * length),
-        lower=(-0.70 * length, side - 0.14 * length, -0.935 * length),
-        upper=(0.70 * length, side + 0.235 * length, -0.235 * length),
-        standing=0.5,
-        about_standing=0.3,
-    )
-    timing = Timing(takeoff=(0.3, 0.8), flight=(0.3, 0.7), landing=(0.4, 1.0))
-    return Turning(axes=("pitch",), reach=reach, timing=timing)
-
-
 def formulation(robot: Robot, turn: str) -> tuple[Formulation, Task]:
     """Of a robot's flip."""
-    if robot.file.turning is None:
-        file = robot.file.model_copy(update={"turning": like_go2(robot)})
-        robot = replace(robot, file=file)
+    table = robot.file.turning or like_go2(robot)
+    robot = replace(robot, file=robot.file.model_copy(update={"turning": table}))
     jump = llsrbm.Jump(robot=robot.name, type="flip", pitch=TURNS[turn])
     robot = robot.turning
     form = Planner(robot, jump.model, layout=layout_of(jump, robot)).formulation
     return form, make_task(jump, robot)
 
 
-def weaker(form: Formulation, base: Task, torque: float, speed: float, last: Attempt) -> Attempt:
+def weaker(
+    form: Formulation, tasks: list[Task], torque: float, speed: float, last: Attempt
+) -> Attempt:
     """The first attempt that is solved, from the last motion; or that which violates least."""
     tried = []
-    for other in others(base):
+    for other in tasks:
         task = replace(with_scaled(other, torque, speed), correction=last.task.correction)
         task = replace(task, rolled=last.task.rolled)
         attempt = form.solve(task, last.solution.variables, Watch(), STEPPED)
@@ -114,7 +98,8 @@ def weakest(
     k, step, last, ends = STRONG, STEP, first, "not looked for further"
     while step < FINEST and k * step > LEAST:
         torque, speed = (k * step if scaled else STRONG for scaled in SCALED[which])
-        attempt = weaker(form, base, torque, speed, last)
+        tasks = [*others(base)] if step > NEAR else [base]
+        attempt = weaker(form, tasks, torque, speed, last)
         if attempt.solved:
             k, last = k * step, attempt
         else:

@@ -24,17 +24,18 @@ Array = NDArray[np.float64]
 LEGS = 4
 
 # Of energy and speed that a flip needs by this estimate, the least that the drives' work and speed
-# have to be. Flips of Go2, Go1 and A1 are planned and land with 3.0 to 3.3 times the energy and 1.5
-# to 2.0 times the speed. ANYmal B has 1.2 (2.5 with its URDF's torque), ANYmal C 1.2 and Solo12 1.7
-# times the energy: no plan is found, nor with half as much again (`benchmarks.turning`).
+# have to be, between those of robots that flip and of those that do not. From their URDFs Go2, Go1
+# and A1 do 2.9, 3.0 and 3.3 times the work, ANYmal B 2.4 and ANYmal C 1.2. Torques of ANYmal B's
+# and Solo12's files are 1.2 and 1.7 times, of the weakest that flips are planned with
+# (`benchmarks.turning`) PLACEHOLDER.
 WORK = 2.7
-# ANYmal C has 0.9 times the speed; of ANYmal B with strong torque plans are found down to 0.9.
+# Go2, Go1 and A1 have 1.6, 1.9 and 2.0 times the speed, ANYmal C 0.9.
 SPEED = 1.2
 
 # Shares of the leg's length, of hip joints' distances from feet and of the box about them: Go1's
 # and A1's tables over 0.438 and 0.411 m; Go2's are alike.
 NEAREST, FARTHEST = 0.32, 0.93
-FORWARD, INWARD, OUTWARD = 0.69, 0.14, 0.24
+FORWARD, INWARD, OUTWARD = 0.69, 0.14, 0.23
 LOWEST, HIGHEST = 0.95, 0.25
 CROUCH = 0.5  # lowest hips, a share of the standing height; theirs
 ABOUT_STANDING = 0.3  # of the leg maps' samples; theirs
