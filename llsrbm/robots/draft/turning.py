@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 LEGS = 4
 
 # Of energy and speed that a flip needs by this estimate, the least that the drives' work and speed
-# have to be, between those of robots that flip and of those that do not. From their URDFs Go2, Go1
-# and A1 do 2.9, 3.0 and 3.3 times the work, ANYmal B 2.4 and ANYmal C 1.2. Torques of ANYmal B's
-# and Solo12's files are 1.2 and 1.7 times, of the weakest that flips are planned with
-# (`benchmarks.turning`) PLACEHOLDER.
+# have to be: between robots that flip and robots that do not. From their URDFs Go2, Go1 and A1 do
+# 2.9, 3.0 and 3.3 times the work, ANYmal B 2.4 and ANYmal C 1.2. With the torques of their files
+# ANYmal B and Solo12 do 1.2 and 1.7 times, and front flips were planned with 2.6 and 2.3 times
+# these torques (`benchmarks.turning`): 3.3 and 4.0 times the work. So it is a coarse estimate.
 WORK = 2.7
 # Go2, Go1 and A1 have 1.6, 1.9 and 2.0 times the speed, ANYmal C 0.9.
 SPEED = 1.2
