@@ -125,6 +125,20 @@ def _distances(anatomy: Anatomy) -> tuple[float, float]:
     return float(distance.min()), float(distance.max(axis=0).min())
 
 
+def _stretch(anatomy: Anatomy) -> float:
+    """Longest distance from the first hip to its foot, m, with the joints before the hip at zero.
+
+    They move the hip away from where reach is measured from.
+    """
+    lower, upper = anatomy.lower, anatomy.upper
+    q = np.random.default_rng(0).uniform(lower, upper, (_SAMPLES, *lower.shape))
+    q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
+    names = [anatomy.model.names[joint] for joint in anatomy.joint_ids[0]]
+    q[..., : names.index(anatomy.hips[0])] = 0.0
+    distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
+    return float(distance.max(axis=0).min())
+
+
 def _arms(anatomy: Anatomy, posture: Array) -> dict[str, Any]:
     """How the arms hang, from a posture (nq,), and how far they may move."""
     values: dict[str, Any] = {
@@ -293,13 +307,14 @@ def _turning(
     flip = turning.estimate(anatomy.mass, float(data.Ig.inertia[1, 1]), length, *drives)
     if why := turning.left_out(flip):
         return why
-    for key, value in turning.turning_table(length, side).items():
+    stretch = _stretch(anatomy)
+    for key, value in turning.turning_table(stretch, side).items():
         inner = value if isinstance(value, dict) else {None: value}
         values |= {f"turning.{key}" + (f".{k}" if k else ""): v for k, v in inner.items()}
     guessed["turning"] = (
         f"a flip takes {flip.energy:.0f} J, its drives' torque does {flip.work:.0f} J on the way up"
     )
-    guessed["turning.reach"] = f"shares of {length:.3f} m of leg"
+    guessed["turning.reach"] = f"shares of {stretch:.3f} m, the leg stretched in its plane"
     return ""
 
 

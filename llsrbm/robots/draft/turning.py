@@ -32,19 +32,21 @@ WORK = 2.7
 # Go2, Go1 and A1 have 1.6, 1.9 and 2.0 times the speed, ANYmal C 0.9.
 SPEED = 1.2
 
-# Shares of the leg's length, of hip joints' distances from feet and of the box about them: Go1's
-# and A1's tables over 0.438 and 0.411 m; Go2's are alike.
-NEAREST, FARTHEST = 0.32, 0.93
-FORWARD, INWARD, OUTWARD = 0.69, 0.14, 0.23
-LOWEST, HIGHEST = 0.95, 0.25
+# Shares of the farthest that a foot is from its hip with the leg in its plane, as the tables of
+# Go1 (0.385 m) and A1 (0.360 m) have them; of Go2 (0.389 m) they are 3 % less. Knees' stops are
+# limits of their own.
+NEAREST, FARTHEST = 0.36, 1.06
+FORWARD, INWARD, OUTWARD = 0.78, 0.16, 0.265
+LOWEST, HIGHEST = 1.08, 0.28
 CROUCH = 0.5  # lowest hips, a share of the standing height; theirs
 ABOUT_STANDING = 0.3  # of the leg maps' samples; theirs
 TIMING = {"takeoff": [0.3, 0.8], "flight": [0.3, 0.7], "landing": [0.4, 1.0]}  # s, theirs
-# m that knees keep from the ground: Go1's and A1's 0.1, as a share of the length, and no more than
-# plans of plain jumps may.
-KNEES, KNEES_MOST = 0.24, 0.1
+# m that knees keep from the ground: Go1's and A1's 0.1, as such a share, and no more than plans of
+# plain jumps may.
+KNEES, KNEES_MOST = 0.27, 0.1
 
 IN_THE_AIR = 0.8 * 2 * np.pi  # rad of the turn; the rest is made on standing feet
+STRETCHED = 0.93  # share of the leg's length, of the distance from hip to foot at lift-off
 STANDING = 0.74  # share of the leg's length, of the hips above the feet in the default posture
 USED = 0.85, 0.9  # shares of torque and speed that plans may use; a robot file's defaults
 
@@ -80,7 +82,7 @@ def estimate(
     """
     flight = float((4 * inertia * IN_THE_AIR**2 / (mass * GRAVITY**2)) ** 0.25)
     lift_off = GRAVITY * flight / 2
-    low, high = CROUCH * STANDING * length, FARTHEST * length
+    low, high = CROUCH * STANDING * length, STRETCHED * length
     knee = 2 * (np.arccos(low / length) - np.arccos(high / length))  # rad by which it opens
     energy = (
         mass * lift_off**2 / 2
@@ -91,15 +93,20 @@ def estimate(
     return FlipEstimate(flight, float(energy), work, 2 * lift_off / length, USED[1] * speed[-1])
 
 
-def turning_table(length: float, outward: float) -> dict[str, Any]:
-    """[turning] of a robot file, m and s: for legs of a length, feet `outward` of their hips, m."""
+def turning_table(stretch: float, outward: float) -> dict[str, Any]:
+    """[turning] of a robot file, m and s.
+
+    Args:
+        stretch: m, farthest distance from hip to foot with the leg in its plane.
+        outward: m, of standing feet from their hips.
+    """
     return {
         "axes": ["pitch"],
-        "knee_margin": round(min(KNEES * length, KNEES_MOST), 2),
+        "knee_margin": round(min(KNEES * stretch, KNEES_MOST), 2),
         "reach": {
-            "distance": _metres(NEAREST * length, FARTHEST * length),
-            "lower": _metres(-FORWARD * length, outward - INWARD * length, -LOWEST * length),
-            "upper": _metres(FORWARD * length, outward + OUTWARD * length, -HIGHEST * length),
+            "distance": _metres(NEAREST * stretch, FARTHEST * stretch),
+            "lower": _metres(-FORWARD * stretch, outward - INWARD * stretch, -LOWEST * stretch),
+            "upper": _metres(FORWARD * stretch, outward + OUTWARD * stretch, -HIGHEST * stretch),
             "standing": CROUCH,
             "about_standing": ABOUT_STANDING,
         },
