@@ -3,14 +3,12 @@
     python -m benchmarks.turning --robots anymal,solo12 --turns front,back
     python -m benchmarks.turning --robots a1 --turns back
 
-A robot without [turning] gets Go2's table in proportion to its legs.
-The first plan is that of drives `STRONG` times as strong, begun from Go1's plan of the same turn
-with lengths in proportion to the legs and times to their root. Then the drives get weaker by steps
-that are halved where no way leads on: solving from the last motion with the robot's own limits,
-then with others. Torque and speed, with the line between them, are scaled together or alone; plans
-use the robot file's shares of them. Printed are the weakest drives of which a plan is found, the
-joints at their limits there, and the limits that the last try violates. A search that ends is no
-proof.
+A robot without [turning] gets Go2's table in proportion to its legs. The first plan is that of
+drives `STRONG` times as strong, begun from Go1's plan of the same turn (`benchmarks.similar`). Then
+the drives get weaker by steps that are halved where no way leads on: solving from the last motion
+under the robot's own limits, then under others. Torque and speed, with the line between them, are
+scaled together or alone; plans use the file's shares. Printed are the weakest drives of which a
+plan is found, the joints at their limits there, and what the last try violates: no proof.
 """
 
 from __future__ import annotations
