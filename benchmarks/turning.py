@@ -1,7 +1,6 @@
 """How strong a robot's drives would have to be for its flips, and what ends it there.
 
-    python -m benchmarks.turning --robots anymal,solo12 --turns front,back
-    python -m benchmarks.turning --robots a1 --turns back
+    python -m benchmarks.turning --robots anymal,solo12,a1 --turns front,back
 
 A robot without [turning] gets Go2's table in proportion to its legs. The first plan is that of
 drives `STRONG` times as strong, begun from Go1's plan of the same turn (`benchmarks.similar`). Then
@@ -134,8 +133,7 @@ def main(
             strong = with_scaled(task, STRONG, STRONG)
             guess = similar(source, form, strong)
             first = form.agreed(form.solve(strong, guess, Watch(), CAUTIOUS), Watch())
-            if not first.solved:
-                first = weaker(form, [task], STRONG, STRONG, first)
+            first = first if first.solved else weaker(form, [task], STRONG, STRONG, first)
             if not first.solved:
                 why = describe_worst(first.violations)
                 print(f"| {name} | {turn} | | none up to {STRONG:g} | | | {why} |", flush=True)
