@@ -77,6 +77,8 @@ def new_command(
         print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} in the middle of their soles")
     for key, reason in proposal.guessed.items():
         print(f"  guessed {key}: {reason}")
+    for key, reason in proposal.left_out.items():
+        print(f"  left out {key}: {reason}")
     print(f"try it: llsrbm simulate --robot {out} --twist 45, and docs/add_a_robot.md")
     return console.DONE
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import GRAVITY
-from llsrbm.robots.draft import arm_posture
+from llsrbm.robots.draft import arm_posture, turning
 from llsrbm.robots.draft.anatomy import Anatomy
 
 Array = NDArray[np.float64]
@@ -39,10 +39,16 @@ _MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one lik
 
 @dataclass(frozen=True, eq=False)
 class Proposal:
-    """Content of a robot file, rounded: key, with dots -> value; guesses: key -> made from what."""
+    """Content of a robot file, rounded.
+
+    Attributes:
+        values: key, with dots -> value; guessed: key -> made from what.
+        left_out: table -> why it is not proposed.
+    """
 
     values: dict[str, Any]
     guessed: dict[str, str]
+    left_out: dict[str, str] = field(default_factory=dict)
 
 
 def propose(anatomy: Anatomy) -> Proposal:
@@ -104,7 +110,8 @@ def propose(anatomy: Anatomy) -> Proposal:
         values["foot.yaw"] = [-0.5, 0.5]
         guessed["foot"] = "corners from the foot's collision geometry; how far it may turn"
     _gains(anatomy, length, values, guessed)
-    return Proposal(values, guessed)
+    left_out = _turning(anatomy, length, side, values, guessed)
+    return Proposal(values, guessed, {"turning": left_out} if left_out else {})
 
 
 def _distances(anatomy: Anatomy) -> tuple[float, float]:
@@ -116,6 +123,20 @@ def _distances(anatomy: Anatomy) -> tuple[float, float]:
     q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
     distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
     return float(distance.min()), float(distance.max(axis=0).min())
+
+
+def _stretch(anatomy: Anatomy) -> float:
+    """Longest distance from the first hip to its foot, m, with the joints before the hip at zero.
+
+    They move the hip away from where reach is measured from.
+    """
+    lower, upper = anatomy.lower, anatomy.upper
+    q = np.random.default_rng(0).uniform(lower, upper, (_SAMPLES, *lower.shape))
+    q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
+    names = [anatomy.model.names[joint] for joint in anatomy.joint_ids[0]]
+    q[..., : names.index(anatomy.hips[0])] = 0.0
+    distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
+    return float(distance.max(axis=0).min())
 
 
 def _arms(anatomy: Anatomy, posture: Array) -> dict[str, Any]:
@@ -267,6 +288,34 @@ def _drives(
         guessed["limits.joint_speed"] = f"{_SPEED:g} rad/s where the URDF has none"
     values["limits.torque"] = [float(f"{t:.4g}") for t in torque]
     values["limits.joint_speed"] = [float(f"{s:.4g}") for s in speed]
+
+
+def _turning(
+    anatomy: Anatomy, length: float, side: float, values: dict[str, Any], guessed: dict[str, str]
+) -> str:
+    """[turning] of quadrupeds on point feet, or why there is none; empty of other robots."""
+    point_feet = not (anatomy.has_soles or anatomy.chains.prismatic.any())
+    if not point_feet or anatomy.arms or len(anatomy.names) != turning.LEGS:
+        return ""
+    if missing := [key for key in ("limits.torque", "limits.joint_speed") if key in guessed]:
+        return f"the URDF's drives are none, {' and '.join(missing)} are guessed"
+    no_arms = np.zeros((0, 0))
+    tucked, _ = _posture(anatomy, _NEAREST * length, no_arms)
+    model, data = anatomy.model, anatomy.model.createData()
+    pin.ccrba(model, data, _joined(anatomy, tucked, no_arms), np.zeros(model.nv))
+    drives = (np.array(values[key]) for key in ("limits.torque", "limits.joint_speed"))
+    flip = turning.estimate(anatomy.mass, float(data.Ig.inertia[1, 1]), length, *drives)
+    if why := turning.left_out(flip):
+        return why
+    stretch = _stretch(anatomy)
+    for key, value in turning.turning_table(stretch, side).items():
+        inner = value if isinstance(value, dict) else {None: value}
+        values |= {f"turning.{key}" + (f".{k}" if k else ""): v for k, v in inner.items()}
+    guessed["turning"] = (
+        f"a flip takes {flip.energy:.0f} J, its drives' torque does {flip.work:.0f} J on the way up"
+    )
+    guessed["turning.reach"] = f"shares of {stretch:.3f} m, the leg stretched in its plane"
+    return ""
 
 
 def _gains(

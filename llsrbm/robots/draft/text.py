@@ -10,12 +10,16 @@ from typing import Any
 from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.draft.proposal import Proposal
 
-_TABLES = ("foot", "reach", "arm_reach", "limits", "timing", "task", "example")
+_TABLES = (
+    "foot", "reach", "arm_reach", "limits", "timing", "turning", "turning.reach", "turning.timing",
+    "task", "example",
+)  # fmt: skip
 _COMMENTS = {
     "reach": "Where a foot may be, seen from its hip: x forward, y outward, m.",
     "arm_reach": "Where the first arm may be, joint angles, rad; the other one mirrored.",
     "limits": "Nm or N and rad/s or m/s, a number a joint of a leg; m, m/s.",
     "timing": "s, shortest and longest.",
+    "turning": "For flips, in place of the tables above.",
     "task": "What may be asked: rad, m.",
     "example": "The jump that a page shows first, rad.",
     "foot": "What touches the ground, in the frame of a foot, m; turns in rad.",
@@ -52,6 +56,8 @@ def robot_file_text(name: str, urdf: dict[str, str], anatomy: Anatomy, proposal:
     ]
     for table in _TABLES:
         lines += _table(table, proposal)
+        if table in proposal.left_out:
+            lines += ["", f"# No [{table}]: {proposal.left_out[table]}."]
     if any(key.startswith("control.") for key in proposal.values):
         lines += _table("control", proposal)
         for inner in ("gains", "weights"):
