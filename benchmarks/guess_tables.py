@@ -61,7 +61,7 @@ def jumps(sweep: str, robot: str) -> list[Jump]:
 
 def is_allowed(jump: Jump) -> bool:
     """Whether a request is within the robot's range, where the sweep's own is wider."""
-    ranges = load_robot(jump.robot).file.task
+    ranges = load_robot(jump.robot).file.for_jump(turns=jump.turns).task
     return all(
         low <= getattr(jump, name) <= high
         for name, (low, high) in ((name, getattr(ranges, name)) for name in REQUEST)

@@ -66,6 +66,7 @@ class Case(NamedTuple):
     speed: float = 0.0
     pitch: float = 0.0
     roll: float = 0.0
+    height: float = 0.0
 
 
 QUADRUPEDS = ("anymal", "go2")
@@ -83,6 +84,11 @@ CASES = (
     Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
     Case("front flip", "flip", FLIPPING, 0.0, pitch=math.tau),
     Case("back flip", "flip", FLIPPING, 0.0, pitch=-math.tau),
+    *(
+        Case(f"{name} flip off {below} cm", "flip", ("go2",), 0.0, pitch=turn, height=-below / 100)
+        for name, turn in (("front", math.tau), ("back", -math.tau))
+        for below in (30, 40, 50)
+    ),
     Case("barrel roll to the right", "barrel-roll", ("go2",), 0.0, roll=math.tau),
     Case("barrel roll to the left", "barrel-roll", ("go2",), 0.0, roll=-math.tau),
 )
@@ -136,6 +142,7 @@ def score(
                 speed=case.speed,
                 pitch=case.pitch,
                 roll=case.roll,
+                height=case.height,
             )
             cells = judged(jump, seeds_of(seeds), estimator, regeneration)
             print(f"| {case.name} | {robot} | {cells} |", flush=True)

@@ -43,7 +43,7 @@ def make_task(
         InputError: a value outside of the robot file's [task], a weight or a limit that is none, a
             jump type that is none or not for this robot.
     """
-    ranges = robot.file.task
+    ranges = robot.file.for_jump(turns=jump.turns).task
     for name in ("twist", "forward", "lateral", "height"):
         low, high = getattr(ranges, name)
         value = getattr(jump, name)

@@ -62,7 +62,7 @@ class DriveConstraint(AgreedConstraint):
 
     def rows(self, stage: Stage) -> Any:
         """(n (L + settling + beside a swing) + A n, 1)."""
-        return _tamed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
+        return tamed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
 
     @abstractmethod
     def shares(self, stage: Stage) -> Any:
@@ -90,10 +90,10 @@ class DriveConstraint(AgreedConstraint):
                 )
                 for ends in (shifted.lower, shifted.upper)
             )
-            return _tamed(lower, np.sqrt), _tamed(upper, np.sqrt)
+            return tamed(lower, np.sqrt), tamed(upper, np.sqrt)
         middle, edge = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
         tops = np.repeat([middle, edge, middle], [len(joints), len(edges), len(arms)])
-        top = _tamed(tops, np.sqrt)
+        top = tamed(tops, np.sqrt)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:
@@ -180,7 +180,7 @@ class DriveConstraint(AgreedConstraint):
         )
 
 
-def _tamed(share: Any, root: Callable[[Any], Any] = ca.sqrt) -> Any:
+def tamed(share: Any, root: Callable[[Any], Any] = ca.sqrt) -> Any:
     """A share, or its bound, as a row: increasing, and far beyond the limit ever slower."""
     return share / root(root(1 + (share / FAR_BEYOND) ** 2))
 

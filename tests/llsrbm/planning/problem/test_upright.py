@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from llsrbm.errors import InputError
 from llsrbm.models import make_model
+from llsrbm.planning.problem.constraints.drives import OVERRUN, JointSpeed
 from llsrbm.planning.problem.constraints.motion import LEAN, SHORT, ShortOfTurn, UprightLanding
 from llsrbm.planning.problem.constraints.swing import BESIDE, PutDown
 from llsrbm.planning.problem.knots import Rows
@@ -130,3 +132,32 @@ def test_feet_come_down_onto_their_places_as_the_last_interval_begins():
     low, high = constraint.bounds(task, layout, knot)
     places = task.lands(int(layout.phase[knot])).feet[:, :2].ravel()
     np.testing.assert_allclose([low, high], [places - BESIDE, places + BESIDE])
+
+
+def speed_bounds(height, knot_after_touchdown=0):
+    robot = load_robot("go2")
+    jump = Jump(robot="go2", height=height, **FLIPS[0])
+    task, layout = make_task(jump, robot), layout_of(jump, robot, 12)
+    knot = int(layout.first_knots[-2]) + knot_after_touchdown
+    if not JointSpeed().applies(layout.roles[knot]):
+        return None
+    lower, upper = JointSpeed().bounds(task, layout, knot)
+    np.testing.assert_array_equal(lower, -upper)
+    return upper
+
+
+def test_knees_may_be_overrun_where_a_flip_lands_far_below():
+    within, before = speed_bounds(0.0), speed_bounds(-0.5, -1)
+    assert within.max() < 1.0
+    assert (speed_bounds(-0.2) == within).all()
+    assert speed_bounds(-0.5) == pytest.approx(OVERRUN, rel=0.05)
+    assert before.max() < 1.0
+    assert speed_bounds(-0.5, 1) is None  # no speeds are bounded later, on the flat neither
+
+
+def test_flips_are_offered_further_down_than_other_jumps():
+    robot = load_robot("go2")
+    assert make_task(Jump(robot="go2", height=-0.5, **FLIPS[0]), robot).jump.height == -0.5
+    for jump in (Jump(robot="go2", height=-0.5), Jump(robot="go2", height=-0.6, **FLIPS[0])):
+        with pytest.raises(InputError, match="height"):
+            make_task(jump, robot)
