@@ -1,7 +1,7 @@
 """Makes the planner's first guesses of a sweep's jumps: `python -m benchmarks.guess_tables`.
 
     python -m benchmarks.guess_tables [--sweep guesses] [--robots anymal,go2,slider,g1]
-    python -m benchmarks.guess_tables --sweep guesses-flips --robots go2,go1,a1
+    python -m benchmarks.guess_tables --sweep guesses-flips --robots go2
 
 `--sweep` is a spec's name or file, or the folder of a sweep that is done; then only what was
 planned there is solved again. Of each jump a second one is made that asks for one or two of its
@@ -123,7 +123,7 @@ def make(requested: list[Jump]) -> None:
         solved = [solved[number] for number in kept]
         write_table(path, make_table(solved, planner.formulation), planner.formulation)
     print(
-        f"{path.name}: {len(solved)} solutions of {len(requested)} jumps, "
+        f"{path.name}: {len(solved)} solutions, "
         f"{path.stat().st_size / 1e6:.2f} MB, {time.perf_counter() - start:.0f} s",
         flush=True,
     )

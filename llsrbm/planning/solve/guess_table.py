@@ -339,7 +339,8 @@ def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
     count = len(table.requests)
     variables, rows = formulation.solver.sizes
     shapes = table.variables.shape, table.multipliers.shape, table.all_rows
-    if shapes != ((count, variables), (count, len(table.rows)), rows) or count < NEIGHBOURS:
+    fewest = 1 if {"pitch", "roll"} & table.kind.keys() else NEIGHBOURS  # see `Guesses.start`
+    if shapes != ((count, variables), (count, len(table.rows)), rows) or count < fewest:
         raise RefusedTable(path, "it is damaged (sizes)")
     first, robot = table.solution(0), formulation.robot
     fields: dict[str, Any] = {**table.kind, **table.request(0)}

@@ -134,25 +134,30 @@ def test_feet_come_down_onto_their_places_as_the_last_interval_begins():
     np.testing.assert_allclose([low, high], [places - BESIDE, places + BESIDE])
 
 
-def speed_bounds(height, knot_after_touchdown=0):
+def speed_bounds(turn, knot_after_touchdown=0, **displacement):
     robot = load_robot("go2")
-    jump = Jump(robot="go2", height=height, **FLIPS[0])
+    jump = Jump(robot="go2", **displacement, **turn)
     task, layout = make_task(jump, robot), layout_of(jump, robot, 12)
     knot = int(layout.first_knots[-2]) + knot_after_touchdown
-    if not JointSpeed().applies(layout.roles[knot]):
-        return None
     lower, upper = JointSpeed().bounds(task, layout, knot)
     np.testing.assert_array_equal(lower, -upper)
     return upper
 
 
-def test_knees_may_be_overrun_where_a_flip_lands_far_below():
-    within, before = speed_bounds(0.0), speed_bounds(-0.5, -1)
-    assert within.max() < 1.0
-    assert (speed_bounds(-0.2) == within).all()
-    assert speed_bounds(-0.5) == pytest.approx(OVERRUN, rel=0.05)
-    assert before.max() < 1.0
-    assert speed_bounds(-0.5, 1) is None  # no speeds are bounded later, on the flat neither
+def test_where_knees_may_be_overrun_as_a_flip_lands():
+    back, front, roll, _ = FLIPS
+    for turn, displacement, overrun in (
+        (back, {}, False),
+        (back, {"height": -0.2, "forward": 0.2}, False),
+        (back, {"height": -0.5}, True),
+        (front, {}, False),
+        (front, {"forward": 0.1}, True),
+        (front, {"height": -0.1}, True),
+        (roll, {"forward": 0.1}, False),
+    ):
+        upper = speed_bounds(turn, **displacement)
+        assert upper == pytest.approx(OVERRUN, rel=0.05) if overrun else upper.max() < 1.0
+        assert speed_bounds(turn, -1, **displacement).max() < 1.0
 
 
 def test_flips_are_offered_further_down_than_other_jumps():
