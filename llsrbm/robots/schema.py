@@ -327,7 +327,7 @@ class RobotFile(Table):
         )
 
     def for_jump(self, *, turns: bool) -> RobotFile:
-        """What applies to a jump: `turned`, if its body turns over."""
+        """The file as it applies to a jump: `turned`, if its body turns over."""
         return self.turned if turns else self
 
     @model_serializer(mode="wrap")
