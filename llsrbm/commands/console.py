@@ -87,7 +87,7 @@ def print_result(
         print(json.dumps(result, allow_nan=False), file=stdout)
     else:
         for name, value in lines.items():
-            print(f"{name:<11}{value}", file=stdout)
+            print(f"{name:<9} {value}", file=stdout)
 
 
 def print_table(rows: dict[str, str]) -> None:

@@ -227,7 +227,6 @@ class JointSpeed(DriveConstraint):
     def demand(self, knots: Knots) -> JointDemand | None:
         """The speed that exceeds its share most."""
         robot, shares = knots.task.robot, np.abs(self.checked_shares(knots))
-        most = np.abs(_speed_shares(knots)) / shares  # times what is allowed elsewhere
         tops = self.tops(knots.task)
         place = _largest(of_planned(shares - tops[:, None], knots))
         if place is None:
@@ -235,7 +234,7 @@ class JointSpeed(DriveConstraint):
         interval, where, joint = place
         name, limit = robot.joint_names[joint], float(robot.speed_limit[joint])
         unit, when = speed_unit(robot, name), when_in(knots.loads, interval)
-        of = limit * float(most[place])
+        of = limit * float(np.abs(_speed_shares(knots)[place]) / shares[place])
         need = JointNeed(name, shares[place] * of, tops[where] * of, unit, when)
         return JointDemand(need, interval)
 
