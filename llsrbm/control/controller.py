@@ -17,6 +17,7 @@ from llsrbm.control.joint_bounds import JointBounds
 from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
+from llsrbm.control.take_off import TakeOff
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
@@ -32,6 +33,11 @@ _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 # A foot of a body that turns over sweeps over the ground at 4 m/s; where it seeks the ground it
 # stops that, so many times as fast as feet that swing are damped.
 _STOPS_SWEEPING = 3.0
+# As feet strike, legs that are still in the air are what the attitude's weight would swing to hold
+# it, at 7 m/s and off the ground: where feet seek it they count so many times as where they swing.
+_SEEKS = 10.0
+# Where a take-off is steered the CoM's accelerations go with the momentum's rate: they count more.
+_STEERED = 10.0
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 _STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
 
@@ -69,6 +75,8 @@ class WholeBodyController:
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
+        # Of barrel rolls the legs are most of the inertia, and the base turns as they do.
+        self._take_off = TakeOff(plan, robot.mass, self._tick) if plan.jump.pitch else None
         feet = FootForces(body, robot.leg_joint_index, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)
         gains = settings.gains
@@ -138,7 +146,7 @@ class WholeBodyController:
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
         target = self._target(time)
         mode = self._mode(time)
-        command = self._solve(target, mode, landing=contacts.lands(time))
+        command = self._solve(target, mode, time)
         self._delay.sent(command)
         return Tick(
             command,
@@ -193,9 +201,9 @@ class WholeBodyController:
         stands = self.contacts.planned[:, None]
         return np.where(stands, self.contacts.foothold, self._body.com + target.foot_from_com)
 
-    def _solve(self, target: Target, mode: Mode, *, landing: bool) -> Command:
+    def _solve(self, target: Target, mode: Mode, time: float) -> Command:
         weights, body, contacts = self._settings.weights, self._body, self.contacts
-        flying = contacts.flying
+        flying, landing, com = contacts.flying, contacts.lands(time), weights.com
         following_forces = mode == Mode.FORCE
         tracking = not flying and not following_forces
         if flying:
@@ -206,13 +214,16 @@ class WholeBodyController:
         else:
             orientation = weights.orientation_in_takeoff
             angular_momentum = weights.angular_momentum_in_takeoff
+            if self._take_off is not None:
+                target = self._take_off.corrected(target, body, contacts.plan_time(time))
+                com *= _STEERED
         wanted = target.contact_force
         if landing:
             standing = self._weight_carried(contacts.planned)
             wanted = self._landing.force(wanted, standing, self._momentum_share)
         return self._dynamics.solve(
             [
-                (self._com, weights.com if tracking else 0.0),
+                (self._com, com if tracking else 0.0),
                 (self._angular_momentum, angular_momentum),
                 (self._orientation, orientation),
                 (self._posture, weights.posture),
@@ -250,7 +261,7 @@ class WholeBodyController:
                 task = tasks.StandingFeet(stand, self._points, gains.standing)
                 feet.append((task, weights.contact))
             if seek:
-                feet.append((tasks.SeekingFeet(seek, self._seeking), weights.swing))
+                feet.append((tasks.SeekingFeet(seek, self._seeking), _SEEKS * weights.swing))
             if swing:
                 feet.append((tasks.SwingFeet(swing, gains.swing), weights.swing))
             if self._points > 1:

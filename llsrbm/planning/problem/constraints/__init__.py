@@ -20,6 +20,7 @@ from llsrbm.planning.problem.constraints.motion import (
     FinalPlace,
     FinalState,
     PhaseTimes,
+    Rebound,
     ShortOfTurn,
     UprightLanding,
 )
@@ -51,6 +52,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     JointStops(),
     *DRIVES,
     UprightLanding(),
+    Rebound(),
     ShortOfTurn(),
     FinalState(),
     ArmsAtRest(),

@@ -27,6 +27,11 @@ SHORT = {
     "back": np.radians([12.0, 20.0]),
     "roll": np.radians([12.0, 20.0]),
 }
+# How fast a flip's CoM may rise again after touchdown, m/s. As fast as it likes, 0.8, feet carry
+# 0.6 of the weight, and on soft ground the robot leaves it. Of Go2's front flips on the spot, 0.1 m
+# forward and off 40 cm 12, 11 and 8 of 12 are strict with 0.2, 8, 10 and 10 with 0.3, 12, 12 and 0
+# with 0.1; below that none is planned off boxes.
+REBOUND = 0.2
 ACROSS = np.radians(10.0)  # how far it may lean across the turn then
 
 
@@ -168,6 +173,28 @@ class UprightLanding(Constraint):
     def measured(self, rows: Array, task: Task) -> Array:
         """Less the lean, rad."""
         return -np.arccos(np.clip(rows, -1.0, 1.0))
+
+
+class Rebound(Constraint):
+    """v_z <= `REBOUND` from touchdown on, of flips: who rises again leaves the ground.
+
+    Barrel rolls, whose landing is shorter, are not planned so.
+    """
+
+    name = "rebound"
+    unit = "m/s"
+
+    def applies(self, role: Role) -> bool:
+        """After the last flight; the very end is given."""
+        return role.lands_upright and not role.terminal
+
+    def rows(self, stage: Stage) -> Any:
+        """(1, 1) m/s upward, of the CoM."""
+        return stage.velocity[2]
+
+    def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
+        """No more than that of a body that has turned about its lateral axis."""
+        return np.array([-np.inf]), np.array([REBOUND if task.jump.pitch else np.inf])
 
 
 class ShortOfTurn(Constraint):

@@ -11,7 +11,14 @@ from scipy.spatial.transform import Rotation
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
 from llsrbm.planning.problem.constraints.drives import OVERRUN, JointSpeed
-from llsrbm.planning.problem.constraints.motion import LEAN, SHORT, ShortOfTurn, UprightLanding
+from llsrbm.planning.problem.constraints.motion import (
+    LEAN,
+    REBOUND,
+    SHORT,
+    Rebound,
+    ShortOfTurn,
+    UprightLanding,
+)
 from llsrbm.planning.problem.constraints.swing import BESIDE, PutDown
 from llsrbm.planning.problem.knots import Rows
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
@@ -147,17 +154,25 @@ def speed_bounds(turn, knot_after_touchdown=0, **displacement):
 def test_where_knees_may_be_overrun_as_a_flip_lands():
     back, front, roll, _ = FLIPS
     for turn, displacement, overrun in (
-        (back, {}, False),
-        (back, {"height": -0.2, "forward": 0.2}, False),
+        (back, {}, True),
         (back, {"height": -0.5}, True),
-        (front, {}, False),
+        (front, {}, True),
         (front, {"forward": 0.1}, True),
-        (front, {"height": -0.1}, True),
+        (roll, {}, False),
         (roll, {"forward": 0.1}, False),
     ):
         upper = speed_bounds(turn, **displacement)
         assert upper == pytest.approx(OVERRUN, rel=0.05) if overrun else upper.max() < 1.0
         assert speed_bounds(turn, -1, **displacement).max() < 1.0
+
+
+@pytest.mark.parametrize("turn", FLIPS, ids=NAMES)
+def test_flips_may_not_rise_again_fast_as_they_land(turn):
+    task, layout, _, _ = case(**turn)
+    constraint = Rebound()
+    assert [k for k, r in enumerate(layout.roles) if constraint.applies(r)] == [*landing(layout)]
+    (low,), (high,) = constraint.bounds(task, layout, landing(layout)[0])
+    assert (low, high) == (-np.inf, REBOUND if "pitch" in turn else np.inf)
 
 
 def test_flips_are_offered_further_down_than_other_jumps():
