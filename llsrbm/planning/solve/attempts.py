@@ -1,11 +1,8 @@
-"""Ways to a jump's solution other than from the analytic guess: from others nearby, from easier."""
+"""The way to a jump's solution other than from the analytic guess: from others nearby."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-
-import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.errors import UnusableStart
 from llsrbm.motion.plan import Plan
@@ -15,12 +12,9 @@ from llsrbm.planning.solve.formulation import (
     CLOSE,
     Attempt,
     Formulation,
-    solve_options,
     with_all_time,
 )
 from llsrbm.planning.solve.progress import Watch
-
-Array = NDArray[np.float64]
 
 # Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
 # solved by following, in 4 iterations at the median; of the others every second one, in more.
@@ -69,18 +63,4 @@ def from_nearby(formulation: Formulation, start: Iterate, task: Task, watch: Wat
         attempts.append(formulation.follow(task, start, watch))
     if not attempts or not attempts[-1].solved:
         attempts.append(formulation.solve(task, start.variables, watch, NEARER))
-    return with_all_time(attempts)
-
-
-def by_stronger_drives(formulation: Formulation, task: Task, watch: Watch) -> Attempt:
-    """Solve with drives that give more first, then with less, each from the one before."""
-    attempts: list[Attempt] = []
-    start: Array | None = None
-    for stronger in formulation.stronger(task):
-        guess = formulation.guess(stronger) if start is None else start
-        attempts.append(formulation.solve(stronger, guess, watch, solve_options(stronger)))
-        if attempts[-1].solution.converged:
-            start = attempts[-1].solution.variables
-        elif start is not None:
-            break
     return with_all_time(attempts)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
@@ -36,11 +35,6 @@ from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
-
-# Shares of the drives that a flip is solved with first: a guess of it is far from what drives can
-# do, and from much stronger ones the way is short.
-STRONGER = (3.0, 2.0, 1.5, 1.2, 1.0, 0.95)
-
 
 # Solves from a near solution before planning starts from a guess instead. The second corrects small
 # violations that the first leaves: a bound passed by a long step, or rows that Fatrop had scaled.
@@ -131,16 +125,6 @@ class Formulation:
         """A guess: another task's solution, moved as the analytic guesses of the two differ."""
         w = near.solution.variables + self.guess(task) - self.guess(near.task)
         return self.layout.normalised(w)
-
-    def stronger(self, task: Task) -> Iterator[Task]:
-        """The task with drives that give more, from much more on; at last the task itself."""
-        own = task.limits
-        for share in STRONGER:
-            shares = {
-                name: max(share, getattr(own, name)) for name in ("torque_share", "speed_share")
-            }
-            yield replace(task, limits=own.model_copy(update=shares))
-        yield task
 
     def solve(
         self, task: Task, guess: Array, watch: Watch, options: SolveOptions = PATIENT

@@ -22,7 +22,7 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import excess
-from llsrbm.planning.solve.attempts import by_stronger_drives, from_nearby, usable_start
+from llsrbm.planning.solve.attempts import from_nearby, usable_start
 from llsrbm.planning.solve.formulation import (
     Array,
     Attempt,
@@ -296,11 +296,6 @@ class Planner:
             options = HURRIED if hurried else solve_options(task)
             solve = partial(self.formulation.solve, task, guess(task), watch, options)
             yield "from the analytic guess", solve
-        if task.jump.turns:
-            yield (
-                "by way of stronger drives",
-                lambda: by_stronger_drives(self.formulation, task, watch),
-            )
 
     def _followed(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
         """The attempt from the solution of the last jump."""
