@@ -32,6 +32,7 @@ SHORT = {
 # forward and off 40 cm 12, 11 and 8 of 12 are strict with 0.2, 8, 10 and 10 with 0.3, 12, 12 and 0
 # with 0.1; below that none is planned off boxes.
 REBOUND = 0.2
+_AS_FAST_AS_IT_LIKES = 10.0  # m/s
 ACROSS = np.radians(10.0)  # how far it may lean across the turn then
 
 
@@ -194,7 +195,8 @@ class Rebound(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """No more than that of a body that has turned about its lateral axis."""
-        return np.array([-np.inf]), np.array([REBOUND if task.jump.pitch else np.inf])
+        most = REBOUND if task.jump.pitch else _AS_FAST_AS_IT_LIKES
+        return np.array([-np.inf]), np.array([most])
 
 
 class ShortOfTurn(Constraint):
