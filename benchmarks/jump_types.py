@@ -82,8 +82,8 @@ CASES = (
     Case("gap 45 cm", "gap", ("go2",), 0.45),
     Case("one side first 10 cm", "one-foot-first", ("slider",), 0.1),
     Case("one side first on the spot", "one-foot-first", ("slider",), 0.0),
-    Case("front flip", "flip", FLIPPING, 0.0, pitch=math.tau),
-    Case("back flip", "flip", FLIPPING, 0.0, pitch=-math.tau),
+    Case("front flip on the spot", "flip", FLIPPING, 0.0, pitch=math.tau),
+    Case("back flip on the spot", "flip", FLIPPING, 0.0, pitch=-math.tau),
     *(
         Case(f"{name} flip off {below} cm", "flip", ("go2",), 0.0, pitch=turn, height=-below / 100)
         for name, turn in (("front", math.tau), ("back", -math.tau))
