@@ -27,6 +27,7 @@ from llsrbm.planning.solve.planner import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.robots import load_robot
+from tests.llsrbm.planning.solved import changed, solved, variable
 
 ROBOTS = ("anymal", "go2")
 HURDLE = {"type": "hurdle", "forward": 0.38}
@@ -187,3 +188,18 @@ def test_soles_are_longer_than_points():
     assert heel > task.obstacle.far + 0.01 + RAMP
     with pytest.raises(InputError, match=r"would stand at 0.430 m, but the hurdle goes from"):
         make_task(replace(jump, forward=0.43), load_robot("slider"))
+
+
+@pytest.mark.parametrize("height", [0.0, -0.4])
+def test_a_body_that_turns_over_keeps_off_what_it_stands_on(height):
+    """On a block its nose is above the block, not just above the floor."""
+    knots = solved("llsrbm-plus", "flip", "go2").knots
+    jump = replace(knots.task.jump, height=height)
+    knots = replace(knots, task=make_task(jump, knots.task.robot))
+    taking_off = np.flatnonzero(knots.phase == 0)
+    assert BodyClearance().violation(knots)[taking_off].max() == 0.0
+    knot = 3
+    lower = variable(knots, "position", knot) - [0.0, 0.0, 0.35]
+    low = BodyClearance().violation(changed(knots, ("position", knot, lower)))[taking_off]
+    assert np.flatnonzero(low).tolist() == [knot]
+    assert 0.0 < low[knot] < 0.35
