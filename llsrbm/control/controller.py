@@ -75,7 +75,8 @@ class WholeBodyController:
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
-        # Of barrel rolls the legs are most of the inertia, and the base turns as they do.
+        # Not of barrel rolls: legs are most of their inertia, and the base turns as they do. A plan
+        # that is made anew under way keeps these gains.
         self._take_off = TakeOff(plan, robot.mass, self._tick) if plan.jump.pitch else None
         feet = FootForces(body, robot.leg_joint_index, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)

@@ -20,8 +20,9 @@ INSIDE = 0.4
 # stop that within a tenth of a second at best: half a radian.
 LEAN = np.radians(35.0)
 # How far short of its turn a body touches down, rad. What is disturbed lands up to 8 deg off, and
-# past the turn no foot is left to brake with. Of 20 front flips of Go2 18 or 19 are strict so, and
-# 13 with 12 to 20 deg; of its back flips 19 or 20, and 16 to 19 with 8 to 16.
+# past the turn no foot is left to brake with. Before `REBOUND` was there 18 or 19 of 20 front flips
+# of Go2 were strict so, and 13 with 12 to 20 deg; of its back flips 19 or 20, and 16 to 19 with 8
+# to 16.
 SHORT = {
     "front": np.radians([10.0, 18.0]),
     "back": np.radians([12.0, 20.0]),
