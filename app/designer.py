@@ -87,7 +87,6 @@ class Designer:
         self.initial = InitialPlans(self.pool.planner, file)
         files = {name: read_robot_file(path) for name, path in robot_files().items()}
         self.tabs = Tabs(self.pool, self.initial, files, atlases or Atlases())
-        self.pool.remarked = self.tabs.remark
         _configure(self._server)
         self._server.on_client_connect(self.tabs.connect)
         self._server.on_client_disconnect(self.tabs.disconnect)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import sys
 from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from llsrbm.errors import InputError, require
+from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
-    from app.workers.cluster import Cluster
     from app.workers.opened_file import OpenedFile
 
 
@@ -42,15 +40,8 @@ _Rate = Annotated[
 _Workers = Annotated[
     int | None,
     typer.Option(
-        help="Computing processes of this machine, some 0.3 GB each; by default as many as it "
-        "has cores, from 2 to 4."
-    ),
-]
-_Scheduler = Annotated[
-    str | None,
-    typer.Option(
-        metavar="ADDRESS",
-        help="Of a dask cluster whose workers compute too, for example tcp://127.0.0.1:8786.",
+        help="Computing processes, some 0.3 GB each; by default as many as this machine has "
+        "cores, from 2 to 4."
     ),
 ]
 _Atlases = Annotated[
@@ -76,7 +67,7 @@ def serve(
     ] = Jump().robot,
     fps: _Rate = None,
     workers: _Workers = None,
-    scheduler: _Scheduler = None,
+    scheduler: Annotated[str | None, typer.Option(hidden=True)] = None,
     atlas: _Atlases = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and shown, until Ctrl-C."""
@@ -84,11 +75,15 @@ def serve(
 
     if workers is not None and not 1 <= workers <= MOST_PROCESSES:
         raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")
+    if scheduler is not None:
+        raise InputError(
+            "--scheduler: the page computes on this machine alone; expected --workers N for more "
+            "processes (llsrbm sweep takes --scheduler)"
+        )
     file = None if open_ is None else _opened(open_, robot, fps)
-    cluster = None if scheduler is None else _cluster(scheduler)
 
     # Its first process imports CasADi and loads a solver while this one imports the page.
-    with closing(WorkerPool(processes=workers or PROCESSES, cluster=cluster)) as pool:
+    with closing(WorkerPool(processes=workers or PROCESSES)) as pool:
         from app.designer import serve as serve_designer
         from app.tab.atlas import Atlases
 
@@ -112,17 +107,6 @@ def _token_in(path: Path, other: str | None) -> str:
         return path.read_text(encoding="utf-8").strip()
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"--token-file: {path}: cannot be read ({error})") from error
-
-
-def _cluster(address: str) -> Cluster:
-    """The cluster at this address, if it answers, announced on the terminal."""
-    require("--scheduler needs Dask", "sweep", "distributed")
-    from app.workers.cluster import Cluster  # dask takes most of a second to import
-
-    cluster = Cluster(address)
-    processes = "1 process" if cluster.room == 1 else f"{cluster.room} processes"
-    print(f"cluster at {address}: room for {processes}", file=sys.stderr, flush=True)
-    return cluster
 
 
 def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:

@@ -1,23 +1,17 @@
-"""A class of thirty on four processes, two of them a cluster's: `python -m benchmarks.many_tabs`.
+"""A class of thirty on one server's processes: `python -m benchmarks.many_tabs`.
 
-A scheduler and two workers are started as a group of processes of their own, as by hand, and
-reached over TCP; two more processes are the server's. At the pool's level (what a browser adds is
-in `benchmarks.page` and `benchmarks.tabs`) thirty tabs are there: ten drag a slider, a new request
-every 0.3 s from the plan before, as the page does it; five simulate, each anew as soon as they have
-their outcome; fifteen look on. Printed is the time from a slider's request to a plan of it, or of
-one newer that took its place, against one tab alone on the same processes; and whether every plan
-and simulation is of the very request it answers. Exit status 1 if one is not, or if a tab got none.
+At the pool's level (what a browser adds is in `benchmarks.page` and `benchmarks.tabs`) thirty tabs
+are there: ten drag a slider, a new request every 0.3 s from the plan before, as the page does it;
+five simulate, each anew as soon as they have their outcome; fifteen look on. Printed is the time
+from a slider's request to a plan of it, or of one newer that took its place, against one tab alone
+on the same processes; and whether every plan and simulation is of the very request it answers. Exit
+status 1 if one is not, or if a tab got none.
 """
 
 from __future__ import annotations
 
 import argparse
-import contextlib
 import math
-import os
-import signal
-import socket
-import subprocess
 import sys
 import threading
 import time
@@ -26,7 +20,6 @@ from contextlib import closing
 
 import numpy as np
 
-from app.workers.cluster import Cluster
 from app.workers.pool import WorkerPool
 from app.workers.reports import Failed, Partial, Planned, Simulated
 from app.workers.tasks import PlanJump, SimulateJump
@@ -36,7 +29,6 @@ from llsrbm.request.scenario import Scenario
 TABS, DRAGGING, SIMULATING = 30, 10, 5
 STEP_SECONDS = 0.3  # between two requests of a hand on a slider
 PATIENCE = 120.0  # s for processes to load their solvers, and for a last answer
-DASK = [sys.executable, "-m", "dask"]
 
 
 class Tab:
@@ -127,31 +119,9 @@ def figures(tabs, kind):
     return f"{len(took):5d}   median {middle:.3f} s   p95 {most:.3f} s   longest {took.max():.3f} s"
 
 
-@contextlib.contextmanager
-def cluster_by_hand(workers):
-    """A scheduler and so many workers in a group of processes of their own; its address."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    address = f"tcp://127.0.0.1:{port}"
-    here = ["--host", "127.0.0.1", "--no-dashboard"]
-    commands = (
-        [*DASK, "scheduler", *here, "--port", str(port)],
-        [*DASK, "worker", *here, "--nworkers", str(workers), "--nthreads", "1", address],
-    )
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    started = [subprocess.Popen(c, start_new_session=True, **quiet) for c in commands]
-    try:
-        yield address
-    finally:
-        for process in reversed(started):
-            os.killpg(process.pid, signal.SIGTERM)
-            process.wait()
-
-
 def until_warm(pool, processes):
     end = time.monotonic() + PATIENCE
-    while sum(m.idle and bool(m.loaded) for m in pool._workers) < processes:
+    while sum(m.idle and bool(m.loaded) for m in pool._members) < processes:
         assert time.monotonic() < end
         time.sleep(0.05)
 
@@ -160,19 +130,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seconds", type=float, default=40.0, help="of the thirty tabs")
     parser.add_argument("--workers", type=int, default=2, help="processes of the server")
-    parser.add_argument("--there", type=int, default=2, help="workers of the cluster; 0: none")
     options = parser.parse_args()
-    with contextlib.ExitStack() as stack:
-        cluster = None
-        if options.there:
-            cluster = Cluster(stack.enter_context(cluster_by_hand(options.there)))
-            end = time.monotonic() + PATIENCE
-            while cluster.room < options.there:
-                assert time.monotonic() < end
-                time.sleep(0.05)
-        pool = stack.enter_context(closing(WorkerPool(processes=options.workers, cluster=cluster)))
+    with closing(WorkerPool(processes=options.workers)) as pool:
         pool.warm_up([PlanJump(Jump())], lambda _: None, lambda: None)
-        until_warm(pool, options.workers + options.there)
+        until_warm(pool, options.workers)
         alone = Tab(pool, 0)
         alone.begin()
         alone.drag(time.monotonic() + options.seconds / 4)
@@ -180,7 +141,7 @@ def main():
         for tab in tabs:
             tab.begin()
         run(tabs, options.seconds)
-    print(f"{options.workers} processes of the server, {options.there} of a cluster")
+    print(f"{options.workers} processes")
     print(f"one tab alone drags     {figures([alone], 'plan')}")
     print(f"ten of thirty drag      {figures(tabs, 'plan')}")
     print(f"five of them simulate   {figures(tabs, 'simulation')}")

@@ -87,7 +87,7 @@ def kill_one(pool, chance):
     """Kill a process in mid-work; the time, and the tab whose job it was."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
-        for member in chance.sample(pool._workers, len(pool._workers)):
+        for member in chance.sample(pool._members, len(pool._members)):
             entry, process = member.working_on, member.process.id
             if entry is None or process is None or not member.ready:
                 continue

@@ -31,7 +31,7 @@ from app.tab.inbox import End, Inbox
 from app.tab.planning.robot import draw_robot
 from app.tab.rendering import Rendering
 from app.tab.start.initial_plan import InitialPlans
-from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
+from app.tab.start.opening import TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.viser_private import run_javascript
 from app.workers.opened_file import uploaded_design
@@ -116,10 +116,6 @@ class Session:
     def close(self) -> None:
         """The tab has gone, or the server ends; returns at once."""
         self._inbox.put(End.END)
-
-    def remark(self, remark: str) -> None:
-        """Note on the page what has happened to the server; returns at once."""
-        self._inbox.put(Remarked(remark))
 
     def join(self, limit: float) -> bool:
         """Wait for the thread's end, s at most; whether it has ended."""

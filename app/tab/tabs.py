@@ -85,11 +85,6 @@ class Tabs:
         if session is not None:
             session.close()
 
-    def remark(self, remark: str) -> None:
-        """Note on every page what has happened to the server."""
-        for session in self.sessions:
-            session.remark(remark)
-
     def close(self) -> None:
         """End all sessions; what does not end in time ends with the process."""
         sessions, until = self.sessions, time.monotonic() + _END

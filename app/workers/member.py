@@ -14,6 +14,7 @@ from app.workers.tasks import Job, PlanJump, Task
 # How long a process that works may be without a sign of life, s: half a minute is common while it
 # builds a solver, some minutes while it writes a long film.
 SILENCE = 600.0
+LOADED_AGAIN = 3  # Solvers that a process in place of another one begins with: one of each model
 
 
 @dataclass(eq=False)
@@ -36,15 +37,16 @@ class Entry:
 class Member:
     """One computing process and its job; nothing here waits."""
 
-    process: Process  # wherever it runs
+    process: Process
     reserved: bool  # takes no job that lasts seconds
-    remote: bool = False  # on another machine; takes no job that is about files of this one
+    spare: bool = False  # beside the places: takes no jobs of tabs
+    heavy: bool = False  # it holds too much memory, and is to be replaced
     running: bool = False  # its thread has started it and not yet seen it end
     ready: bool = False  # it has started
     ending: bool = False  # it was killed on our order
     may_start: bool = True  # False once it could not, until the next request
     start_by: float = 0.0  # when it has to be ready, s
-    # what is in its memory (`Task.needs`), each with a task that it has solved
+    # what is in its memory (`Task.needs`), each with a task that it has solved; the last one last
     loaded: dict[Hashable, PlanJump] = field(default_factory=dict)
     todo: list[Task] = field(default_factory=list)  # to load when there is nothing else to do
     working_on: Entry | None = None  # its job, if it has one
@@ -62,9 +64,23 @@ class Member:
         """Whether it can take a job."""
         return self.ready and self.working_on is None
 
+    @property
+    def starting(self) -> bool:
+        """Whether it runs and has still to get ready."""
+        return self.running and not self.ready and not self.ending
+
+    @property
+    def deadlines(self) -> list[float]:
+        """When something of it is due, s."""
+        if self.working_on is None or self.ending:
+            return [self.start_by] if self.starting else []
+        notify_at = None if self.progress is None else self.notify_at
+        times = self.stop_at, self.end_at, self.silent_by, notify_at
+        return [at for at in times if at is not None]
+
     def suits(self, task: Task) -> bool:
         """Whether it may take a task at all, once it has time."""
-        return not (self.reserved and task.kind.long) and not (self.remote and task.only_here)
+        return not self.spare and not (self.reserved and task.kind.long)
 
     def start(self, now: float) -> None:
         """Its thread is about to run it."""
@@ -98,10 +114,19 @@ class Member:
             self.ending, self.ready = True, False
             self.process.kill()
 
+    def note_loaded(self, task: PlanJump) -> None:
+        """It has solved that, and can solve the like at once."""
+        self.loaded.pop(task.needs, None)
+        self.loaded[task.needs] = task
+
+    @property
+    def used_last(self) -> list[Task]:
+        """What another process loads to be as quick with what is likely to be asked next."""
+        return [*[*self.loaded.values()][-LOADED_AGAIN:]]
+
     def plan_to_restore(self, but: Task | None) -> None:
-        """Have a new process load the same again: all but what ended the old one."""
-        tasks: list[Task] = [*self.loaded.values(), *self.todo]
-        self.todo = [task for task in tasks if task != but]
+        """Have a new process load the same again: what was used last, but not what ended it."""
+        self.todo = [task for task in [*self.used_last, *self.todo] if task != but]
         self.loaded.clear()
 
     def supersede(self, newer: Task, now: float, grace: float) -> None:

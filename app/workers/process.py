@@ -9,8 +9,8 @@ import contextlib
 import ctypes
 import logging
 import multiprocessing
+import signal
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
@@ -18,7 +18,7 @@ from multiprocessing.reduction import ForkingPickler
 from typing import Any
 
 from app.workers import worker
-from app.workers.reports import Ready, Report
+from app.workers.reports import Message
 from app.workers.tasks import Job, PlannerFactory
 
 # Time to exit (s): of a process whose connection has closed, and of one that was killed.
@@ -28,47 +28,14 @@ _log = logging.getLogger(__name__)
 
 
 class Ended(Exception):  # no error where it was our order
-    """A process has gone, with that exit status or signal; `logged`: the terminal has it."""
-
-    def __init__(self, how: str, *, logged: bool = False) -> None:
-        super().__init__(how)
-        self.how, self.logged = how, logged
+    """A process has gone; the message is its exit status or signal."""
 
 
-class Process(ABC):
-    """A process that computes, on this machine or another; started again after it has ended."""
+class Process:
+    """A process that computes; started again after it has ended."""
 
-    id: int | None = None  # on its machine; None while there is none
+    id: int | None = None  # None while there is none
     start_patience = 60.0  # s until it is ready; it imports for 1 s, on a busy machine for more
-
-    @property
-    def startable(self) -> bool:
-        """Whether there is a machine that it could be started on."""
-        return True
-
-    def reserve(self) -> bool:
-        """Take a place on such a machine, which `run` needs, if there is one."""
-        return True
-
-    @abstractmethod
-    def run(self) -> Iterator[Ready | Report]:
-        """Start it and wait for messages, `Ready` first; raises `Ended` once it has gone."""
-
-    @abstractmethod
-    def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
-        """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
-
-    @abstractmethod
-    def stop(self, number: int) -> None:
-        """Have the job with this number stop; from any thread."""
-
-    @abstractmethod
-    def kill(self) -> None:
-        """Have `run` end; from any thread, returns at once."""
-
-
-class LocalProcess(Process):
-    """A process of this machine."""
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
         # A forked child would inherit the server's sockets and threads' locks.
@@ -79,7 +46,10 @@ class LocalProcess(Process):
         self._connection: Connection | None = None
         self._writer: threading.Thread | None = None
 
-    def run(self) -> Iterator[Ready | Report]:
+    def run(self) -> Iterator[Message]:
+        """Start it and wait for messages, `Ready` first; raises `Ended` once it has gone."""
+        # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the process inherits
         ours, theirs = self._context.Pipe()
         process = self._context.Process(
             target=worker.main,
@@ -107,6 +77,7 @@ class LocalProcess(Process):
         raise Ended(how)
 
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
+        """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
         # A process that does not read keeps nobody waiting but this thread, which ends with it.
         self._writer = threading.Thread(
             target=self._write, args=(self._connection, job, failed), name=f"{self._name}-writer"
@@ -124,9 +95,11 @@ class LocalProcess(Process):
             to.send_bytes(content)
 
     def stop(self, number: int) -> None:
+        """Have the job with this number stop; from any thread."""
         self._stop.value = number
 
     def kill(self) -> None:
+        """Have `run` end; from any thread, returns at once."""
         process = self._process
         if process is not None:
             with contextlib.suppress(ValueError):  # closed meanwhile

@@ -25,6 +25,11 @@ class Ready:
 
 
 @dataclass(frozen=True)
+class Heavy:
+    """A process holds more memory than it should; its job's outcome follows."""
+
+
+@dataclass(frozen=True)
 class Progress:
     """A job is under way, or waits."""
 
@@ -159,6 +164,7 @@ Outcome = (
     | Cancelled
 )
 Report = Partial | Outcome
+Message = Ready | Heavy | Report
 Listener = Callable[[Report], None]
 
 

@@ -66,8 +66,6 @@ class Kind(Enum):
 class Task(ABC):
     """Some work for a process: its kind, what has to be built for it, and how it is worked on."""
 
-    # it needs files of the server's machine: its meshes, a visitor's file, packages
-    only_here: ClassVar[bool] = False
     one_at_a_time: ClassVar[bool] = False  # in the whole pool
     # time (s) that it may take; None: as long as it gives signs of life
     limit: ClassVar[float | None] = None
@@ -98,7 +96,6 @@ class Prepare(Task):
 
     robot: str  # its name
     kind = Kind.PLAN  # comes before its plan
-    only_here = True
 
     @property
     def needs(self) -> Hashable:
@@ -185,7 +182,6 @@ class OpenFile(Task):
     robot: str  # for files that do not name one
     fps: float | None = None  # frames/s, likewise; None: the file has to state it
     kind = Kind.READ
-    only_here = True
     one_at_a_time = True  # a hostile file keeps one process busy, not all of them
     limit = READING_LIMIT
 
@@ -201,7 +197,6 @@ class ExportMotion(Task):
     formats: tuple[str, ...]  # their names
     zipped: bool = False  # into one zip, with a description; several are in any case
     options: Mapping[str, Any] = field(default_factory=dict)  # as `llsrbm.export` takes them
-    only_here = True
 
     @property
     def kind(self) -> Kind:
@@ -219,7 +214,6 @@ class CheckMotion(Task):
 
     motion: Plan | Rollout
     kind = Kind.CHECK
-    only_here = True
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         return Checked(talk.job, planner.check(self, talk.progress))

@@ -9,11 +9,8 @@
    another tab's simulation.
 4. What may have to be built first (a solver, a robot's meshes) is built on one process at a time.
    Different ones are built side by side, but on the reserved process only if no other builds.
-5. A process of another machine takes nothing that is about files of this one: its meshes, a
-   visitor's file, an export, whose packages that machine may lack. It is the first to be given what
-   lasts seconds, and the last for what is short.
-6. Visitors' files are read one at a time, so that a hostile one keeps one process busy.
-7. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
+5. Visitors' files are read one at a time, so that a hostile one keeps one process busy.
+6. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
 """
 
 from __future__ import annotations
@@ -91,6 +88,19 @@ class Waiting:
             return entry, task, member
         return None
 
+    def next_to_load(self, tab: Hashable, members: Sequence[Member]) -> tuple[Task, Member] | None:
+        """Take what a process with time is to load; one at a time, in the name of that tab."""
+        if any(m.working_on is not None and m.working_on.tab == tab for m in members):
+            return None
+        for member in members:
+            if member.idle and member.todo:
+                task = member.todo[0]
+                blocked = self.is_new(task) and member.reserved
+                if not blocked and self.may_run(task, members):
+                    del member.todo[0]
+                    return task, member
+        return None
+
     def is_new(self, task: Task) -> bool:
         """Whether it may have to build something first, which may take long."""
         return task.needs is not None and task.needs not in self._built
@@ -105,11 +115,7 @@ class Waiting:
     def _is_building(self, members: Sequence[Member]) -> bool:
         return any(self.is_new(m.task) for m in members if m.task is not None)
 
-    def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool, bool]:
+    def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool]:
         """Sorts members: with the solver first; then a reserved one, unless it may take long."""
-        long = task.kind.long
-        return (
-            task.needs not in member.loaded,
-            member.reserved == (self.is_new(task) or long),
-            member.remote != long,
-        )
+        long = self.is_new(task) or task.kind.long
+        return task.needs not in member.loaded, member.reserved == long

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import logging
-import signal
+import resource
+import sys
 import tempfile
 from collections.abc import Callable
 from multiprocessing.connection import Connection
@@ -33,6 +34,8 @@ class LibraryPlanner:
     Made once in each process and kept, its solvers warm. Methods raise `llsrbm.errors.Error`; those
     that take `cancelled` call it now and then and raise `Cancelled` when it is true.
     """
+
+    most_memory = 900e6  # Bytes; a process that holds more is replaced by a new one
 
     def __init__(self) -> None:
         import llsrbm.api  # noqa: F401  # takes long: before the first job
@@ -197,16 +200,27 @@ def main(connection: Connection, stop: Any, factory: tasks.PlannerFactory) -> No
     An exception that is no `llsrbm.errors.Error` is a defect: it ends the process with a traceback
     in the terminal, and the server reports that to the user.
     """
-    # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         planner = factory()
         connection.send(reports.Ready())
         while True:
             job: tasks.Job = connection.recv()
-            connection.send(_work(planner, job, reports.Talk(job.number, connection.send, stop)))
+            outcome = _work(planner, job, reports.Talk(job.number, connection.send, stop))
+            if _memory() > planner.most_memory:
+                connection.send(reports.Heavy())
+            connection.send(outcome)
     except (EOFError, BrokenPipeError, ConnectionResetError):
         return
+
+
+def _memory() -> float:
+    """Bytes that this process holds now; without /proc, the most that it has held."""
+    try:
+        pages = int(Path("/proc/self/statm").read_text("ascii").split()[1])
+        return pages * resource.getpagesize()
+    except OSError:
+        unit = 1 if sys.platform == "darwin" else 1024
+        return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 def _work(planner: Any, job: tasks.Job, talk: reports.Talk) -> reports.Report:

@@ -55,6 +55,8 @@ CERTIFICATE = Certificate(
 class SyntheticPlanner:
     """Quick and made up; tells a file, if there is one at PLANNED_LOG, what it planned."""
 
+    most_memory = math.inf
+
     def prepare(self, robot, progress):
         progress(f"preparing {robot}")
         if robot == "nosuch":
@@ -143,6 +145,12 @@ class SyntheticPlanner:
         if task.options.get("pad") == SLOW_PAD:
             time.sleep(60)
         return exported(task)
+
+
+class HeavyPlanner(SyntheticPlanner):
+    """Each of its processes holds too much memory once it has planned."""
+
+    most_memory = 0.0
 
 
 def turning_states(robot, seconds=2.0, fps=50.0):

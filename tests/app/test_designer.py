@@ -229,13 +229,10 @@ def test_a_bad_token_is_one_line_and_nothing_is_served(monkeypatch, capfd):
     [
         (["--workers", "0"], "--workers: expected 1 to 64, got 0"),
         (["--workers", "65"], "--workers: expected 1 to 64, got 65"),
-        (["--scheduler", "nonsense"], "--scheduler: 'nonsense': "),
+        (["--scheduler", "tcp://127.0.0.1:8786"], "expected --workers N for more processes"),
     ],
 )
-def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(
-    arguments, line, capfd, monkeypatch
-):
-    monkeypatch.setattr("app.workers.cluster.CONNECT_PATIENCE", 1.0)
+def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(arguments, line, capfd):
     assert cli.main(["serve", "--port", "0", *arguments]) == 2
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)

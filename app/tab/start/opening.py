@@ -119,16 +119,3 @@ def follow_player(state: TabState, event: PlayerMoved) -> TabState:
 def choose_playback(state: TabState, event: PlaybackChosen) -> TabState:
     """Speed and repetition were chosen."""
     return replace(state, playback=replace(state.playback, speed=event.speed, loop=event.loop))
-
-
-@dataclass(frozen=True)
-class Remarked:
-    """Something has happened to the server's processes: a sentence for every tab."""
-
-    remark: str
-
-
-@on(Remarked)
-def pass_on(state: TabState, event: Remarked) -> Step:
-    """Note it on the page."""
-    return state, (Notify("The server", event.remark),)

@@ -23,7 +23,6 @@ from app.tab.effects import (
     After,
     Effect,
     LoadRobot,
-    Notify,
     Reported,
     RobotLoaded,
     RobotMissing,
@@ -33,7 +32,7 @@ from app.tab.effects import (
 from app.tab.files import FileChosen
 from app.tab.planning.refining import WholeBody
 from app.tab.planning.requests import Rested
-from app.tab.start.opening import Remarked, TabOpened, first_state, left, resume
+from app.tab.start.opening import TabOpened, first_state, left, resume
 from app.tab.state import TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.reports import (
@@ -81,7 +80,6 @@ from tests.app.synthetic_plan import refined_plan
         # With the preferences and the height that the page reports with itself.
         (PageReady(software=False), {"page", "fine", "plots", "view"}),
         (Act.SHARE, set()),
-        (Remarked("The cluster is back."), set()),
         (Act.SAVE, set()),
         (Act.STOP_FILES, set()),
         (Act.UNPIN, {"pins", "pin_chosen"}),
@@ -389,9 +387,3 @@ def test_a_graphics_processor_draws_all_triangles():
     state = planned_tab().state
     assert update(state, PageReady(software=False))[0].fine
     assert not update(state, PageReady(software=True))[0].fine
-
-
-def test_a_remark_on_the_server_becomes_a_note():
-    line = "The cluster is lost."
-    effects = update(planned_tab().state, Remarked(line))[1]
-    assert effects == (Notify("The server", line),)

@@ -11,11 +11,10 @@ from contextlib import closing
 
 import pytest
 
-from app.workers import jobs, member, tasks, waiting
+from app.workers import member, tasks, waiting
 from app.workers import pool as pool_module
-from app.workers.jobs import BROKEN, DEFECT
-from app.workers.pool import BUSY, CLOSED, WorkerPool
-from app.workers.process import LocalProcess
+from app.workers.pool import BROKEN, BUSY, CLOSED, DEFECT, WorkerPool
+from app.workers.process import Process
 from app.workers.reports import Cancelled, Failed, Planned, Progress
 from app.workers.tasks import OpenFile, PlanJump
 from llsrbm.request.jump import Jump
@@ -89,7 +88,9 @@ def test_a_lasting_defect_ends_in_refusals_not_in_waiting(monkeypatch, own_pool)
     assert set(outcomes) == {job, first}
     assert set(outcomes.values()) <= {DEFECT, BROKEN}
     wait_until(lambda: ended(process), "its end", 5)
-    wait_until(lambda: not any(t.is_alive() for t in own_pool._threads), "its threads' end", 5)
+    wait_until(
+        lambda: not any(t.is_alive() for t in own_pool._crew._threads), "its threads' end", 5
+    )
     for _ in range(3):
         began = time.monotonic()
         job = tab.plan()
@@ -150,12 +151,16 @@ def test_a_log_that_nobody_reads_delays_no_job(pool, monkeypatch):
         logging.getLogger("app.workers.pool").removeHandler(handler)
 
 
+def places(pool):
+    return [member for member in pool._members if not member.spare]
+
+
 def with_both_processes(pool, tab, other):
     """Wait until two jobs can run side by side."""
     for each in (tab, other):
         each.plan(planners.SLOW)
     assert {type(each.outcome()) for each in (tab, other)} == {Planned}
-    wait_until(lambda: all(member.idle for member in pool._workers), "both at rest")
+    wait_until(lambda: all(member.idle for member in places(pool)), "both at rest")
 
 
 @pytest.mark.parametrize("when", ["in mid-work", "before it reads a large job"])
@@ -167,13 +172,13 @@ def test_a_stopped_process_delays_no_other_tab_and_is_replaced(when):
         if when == "in mid-work":
             job = tab.plan(planners.STUBBORN)
             tab.wait_until_running(job)
-            (working,) = (m for m in pool._workers if m.working_on is not None)
+            (working,) = (m for m in pool._members if m.working_on is not None)
             os.kill(stopped := working.process.id, signal.SIGSTOP)
         else:
             os.kill(stopped := pool.process_ids[0], signal.SIGSTOP)
             job = tab.submit(LARGE)
             time.sleep(0.1)
-            assert pool._workers[0].working_on.number == job
+            assert pool._members[0].working_on.number == job
         other.plan()
         assert isinstance(other.outcome(timeout=5), Planned)
         pool.cancel("tab")
@@ -221,7 +226,7 @@ def test_a_full_queue_refuses_new_tabs_at_once_and_replaces_jobs_of_those_that_w
 
 
 def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monkeypatch, caplog):
-    monkeypatch.setattr(LocalProcess, "start_patience", 0.5)
+    monkeypatch.setattr(Process, "start_patience", 0.5)
     with closing(WorkerPool(hanging_factory, processes=1)) as pool:
         tab = Tab(pool)
         job = tab.plan()
@@ -233,7 +238,7 @@ def test_a_process_that_never_gets_ready_counts_as_one_that_does_not_start(monke
 
 
 def test_a_job_without_a_sign_of_life_is_given_up(monkeypatch):
-    for module in (member, jobs):
+    for module in (member, pool_module):
         monkeypatch.setattr(module, "SILENCE", 0.5)
     with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)

@@ -20,9 +20,7 @@ from tests.app.pool_tab import Tab
 @pytest.fixture(scope="module")
 def shared_pool():
     """With one process, so that there is one order."""
-    with contextlib.closing(
-        WorkerPool(SyntheticPlanner, processes=1, superseded_grace=0.2)
-    ) as pool:
+    with contextlib.closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         yield pool
 
 

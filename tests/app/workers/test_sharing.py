@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from contextlib import closing
+from pathlib import Path
 
 import pytest
 
@@ -17,7 +18,7 @@ from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from tests.app import planners
-from tests.app.planners import SyntheticPlanner
+from tests.app.planners import HeavyPlanner, SyntheticPlanner
 from tests.app.pool_tab import Tab
 from tests.app.waits import wait_until
 
@@ -31,7 +32,9 @@ def warmed(heard=None, **options):
     pool.warm_up(tasks, [].append if heard is None else heard.append, done.set)
     assert done.wait(20)
     # The first process is through; the second one follows.
-    wait_until(lambda: all(m.idle and not m.todo for m in pool._workers), "its solvers")
+    wait_until(
+        lambda: all(m.idle and not m.todo for m in pool._members if not m.spare), "its solvers"
+    )
     return pool
 
 
@@ -67,6 +70,28 @@ def test_every_process_loads_what_is_likely_and_the_first_ones_reports_are_heard
     assert sorted(loaded) == sorted([pid, model] for pid in (first, second) for model in MODELS)
     outcomes = [report for report in heard if not isinstance(report, Progress)]
     assert [type(report).__name__ for report in outcomes] == ["Prepared", "Planned", "Planned"]
+
+
+def test_a_process_that_holds_too_much_is_succeeded_by_one_that_has_loaded_the_same(
+    tmp_path, monkeypatch
+):
+    """However often it happens no request fails, and none waits for a process that starts."""
+    monkeypatch.setenv("PLANNED_LOG", str(log := tmp_path / "log"))
+    with closing(WorkerPool(HeavyPlanner, processes=1)) as pool:
+        tab, used = Tab(pool), []
+        for _ in range(3):
+            tab.plan()
+            assert isinstance(tab.outcome(), Planned)
+            used += pool.process_ids
+            wait_until(lambda last=used[-1]: pool.process_ids != (last,), "an heir", 20)
+        wait_until(lambda: not any(map(alive, used)), "the end of the heavy ones", 10)
+        planned = [int(line.split()[0]) for line in log.read_text().splitlines()]
+    # The first works for the tab alone, each other one loads before.
+    assert planned == [used[0], *(process for process in used[1:] for _ in range(2)), planned[-1]]
+
+
+def alive(process):
+    return Path(f"/proc/{process}").exists()
 
 
 def test_a_request_is_not_kept_waiting_by_what_is_loaded_meanwhile():

@@ -184,38 +184,9 @@ def test_who_has_waited_longest_is_next_however_often_others_ask(order):
             assert give(turns, crew) == [(waiting.pop(0), 0)]
 
 
-def crew_with_a_cluster():
-    """Two members here and two there, the second of each reserved."""
-    return [
-        *members(),
-        *(Member(None, reserved, remote=True, ready=True) for reserved in (False, True)),
-    ]
-
-
-def test_what_lasts_goes_to_the_cluster_first_and_what_is_short_stays_here():
-    turns = turns_that_know()
-    for tab in range(3):
-        turns.put(entry(tab, SIMULATION))
-    for tab in range(3, 9):
-        turns.put(entry(tab, PLAN))
-    assert give(turns, crew_with_a_cluster()) == [(0, 2), (1, 0), (3, 1), (4, 3)]
-    turns.withdraw(2)
-    assert give(turns, crew_with_a_cluster()) == [(5, 1), (6, 3), (7, 0), (8, 2)]
-
-
-def test_what_is_about_files_of_the_server_does_not_go_to_the_cluster():
-    for task in (Prepare("anymal"), TABLE, LOG, FILE):
-        turns = turns_that_know()
-        crew = crew_with_a_cluster()
-        for tab in range(4):
-            turns.put(entry(tab, task))
-        assert {index for _, index in give(turns, crew)} <= {0, 1}
-        assert len(turns) >= 2
-
-
-def test_with_thirty_tabs_on_four_processes_five_that_simulate_do_not_starve_ten_that_drag():
+def test_with_thirty_tabs_five_that_simulate_do_not_starve_ten_that_drag():
     """Each turn is as long as a plan, 0.1 s; a simulation takes thirty of them."""
-    turns, crew = turns_that_know(), crew_with_a_cluster()
+    turns, crew = turns_that_know(), members(2)
     ends, answers, simulated = {}, dict.fromkeys(range(10), 0), dict.fromkeys(range(10, 15), 0)
     for now in range(600):
         for member in [m for m in crew if m.working_on and ends[m.working_on] <= now]:
@@ -233,8 +204,8 @@ def test_with_thirty_tabs_on_four_processes_five_that_simulate_do_not_starve_ten
             item, task, member = turn
             member.working_on, member.task = item, task
             ends[item] = now + (30 if item.task is SIMULATION else 1)
-    # Two processes are theirs, of whose 1200 turns each of the ten has about a tenth.
-    assert min(answers.values()) >= 100
-    # The other two take forty simulations in that time.
-    assert sum(simulated.values()) >= 35
-    assert min(simulated.values()) >= 6
+    # One process is theirs, of whose 600 turns each of the ten has about a tenth.
+    assert min(answers.values()) >= 50
+    # The other one takes twenty simulations in that time.
+    assert sum(simulated.values()) >= 15
+    assert min(simulated.values()) >= 3
