@@ -121,7 +121,7 @@ class Member:
 
     @property
     def used_last(self) -> list[Task]:
-        """What another process loads to be as quick with what is likely to be asked next."""
+        """Tasks by which another process gets as quick with what is likely to come next."""
         return [*[*self.loaded.values()][-LOADED_AGAIN:]]
 
     def plan_to_restore(self, but: Task | None) -> None:
