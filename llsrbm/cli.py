@@ -5,7 +5,6 @@ Exit status: 0 done, 1 it ran and failed, 2 bad input with one line on stderr.
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import EntryPoint, entry_points
@@ -31,6 +30,7 @@ from llsrbm.commands.plan import plan_command
 from llsrbm.commands.robot import robot_app
 from llsrbm.commands.robot_sim import robot_sim_command
 from llsrbm.commands.simulate import simulate_command
+from llsrbm.commands.streams import OutputLost, usable_streams
 from llsrbm.commands.sweep import dataset_command, sweep_command
 from llsrbm.errors import Error, InputError
 
@@ -103,13 +103,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command line and return its exit status. `arguments`: without the program's name;
     default: the process's own.
     """
+    with usable_streams():
+        return _run(None if arguments is None else list(arguments))
+
+
+def _run(arguments: list[str] | None) -> int:
     command = typer.main.get_command(app)
     try:
-        status = command.main(
-            args=None if arguments is None else list(arguments),
-            prog_name="llsrbm",
-            standalone_mode=False,
-        )
+        status = command.main(args=arguments, prog_name="llsrbm", standalone_mode=False)
         sys.stdout.flush()
     except typer.TyperException as error:  # about options and arguments
         print_error(error.format_message())
@@ -122,10 +123,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except (KeyboardInterrupt, typer.Abort):
         return INTERRUPTED
-    except BrokenPipeError:
-        # The reader of stdout has gone (`llsrbm models | head -1`); Python would report that when
-        # it flushes at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except OutputLost as error:
+        if error.reason:
+            print_error(f"stdout: cannot be written: {error.reason}")
+        return FAILED
+    except OSError as error:
+        print_error(f"{error.filename or 'a file'}: {error.strerror or error}")
         return FAILED
     return status if isinstance(status, int) else DONE
 

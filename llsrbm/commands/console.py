@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, TextIO
 
+from llsrbm.commands.streams import text_stream
+
 if TYPE_CHECKING:
     from llsrbm.planning.solve.progress import PlanningProgress
 
@@ -20,8 +22,9 @@ _WIDTH = 24  # characters of a bar
 
 
 def print_error(message: str) -> None:
-    """Print an error in one line on stderr."""
-    print(f"llsrbm: {' '.join(message.split())}", file=sys.stderr)
+    """Print an error in one line on stderr; control codes that a file or a name held are left out."""
+    line = "".join(letter for letter in " ".join(message.split()) if letter.isprintable())
+    print(f"llsrbm: {line}", file=sys.stderr)
 
 
 def show_planning(message: str | PlanningProgress) -> None:
@@ -113,7 +116,7 @@ def _stdout_kept_for_result() -> Iterator[TextIO]:
     os.dup2(2, 1)
     try:
         with (
-            os.fdopen(os.dup(kept), "w", encoding="utf-8") as stdout,
+            text_stream(os.dup(kept), closefd=True) as stdout,
             contextlib.redirect_stdout(sys.stderr),
         ):
             yield stdout

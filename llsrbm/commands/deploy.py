@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import json
 import signal
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
+from llsrbm.commands.streams import OutputLost
 from llsrbm.errors import InputError, require
 
 if TYPE_CHECKING:
@@ -118,8 +120,10 @@ def _play(
     from llsrbm.wire.dds import DdsLink
 
     def announce(state: State) -> None:
-        if not quiet:
-            print(f"{state.name:<10}{state.summary}", flush=True)
+        # A jump under way does not end because nobody reads any more.
+        with contextlib.suppress(OutputLost):
+            if not quiet:
+                print(f"{state.name:<10}{state.summary}", flush=True)
 
     with threadpool_limits(1):  # one program a tick is too small to share
         rehearse(tier.name, plan, robot)

@@ -9,6 +9,7 @@ import pytest
 
 from llsrbm import cli
 from tests.llsrbm.commands.process import run
+from tests.llsrbm.synthetic import synthetic_plan
 
 
 def assert_one_line(process, status):
@@ -86,15 +87,51 @@ class TestLists:
             lines = capsys.readouterr().out.splitlines()
             assert lines[0].split()[0] == first
 
-    def test_a_reader_that_goes_away_is_no_traceback(self):
-        reading, writing = os.pipe()
-        os.close(reading)
-        process = subprocess.run(
-            [sys.executable, "-m", "llsrbm.cli", "models"], stdout=writing, stderr=subprocess.PIPE
+
+class TestStreams:
+    """Whatever a shell makes of them, nothing is a traceback and lost output is no success."""
+
+    def shell(self, command, redirected, **env):
+        return subprocess.run(
+            [
+                "bash",
+                "-o",
+                "pipefail",
+                "-c",
+                f"{sys.executable} -m llsrbm.cli {command} {redirected}",
+            ],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            env=os.environ | env,
         )
-        os.close(writing)
-        assert process.stderr == b""
+
+    @pytest.mark.parametrize("command", ["robots", "--help", "compare {} --json", "compare {}"])
+    @pytest.mark.parametrize(
+        ("redirected", "lines"),
+        [
+            (">&-", ["llsrbm: stdout: cannot be written: Bad file descriptor"]),
+            (">/dev/full", ["llsrbm: stdout: cannot be written: No space left on device"]),
+            (">&- 2>&-", []),
+            ("<&- | sleep 0", []),
+        ],
+    )
+    def test_output_that_is_lost(self, tmp_path, command, redirected, lines):
+        synthetic_plan().save(tmp_path / "x.npz")
+        process = self.shell(command.format(tmp_path / "x.npz"), redirected)
         assert process.returncode == 1
+        assert process.stderr.splitlines() == lines
+        assert process.stdout == ""
+
+    @pytest.mark.parametrize("redirected", ["2>&-", "2>/dev/full", "0<&- 2>&-"])
+    def test_errors_that_nobody_can_read(self, redirected):
+        """The exit status is there all the same."""
+        assert self.shell("plan --robot nosuch --json", redirected).returncode == 2
+        assert self.shell("models", redirected).stdout.startswith("srbm")
+
+    def test_letters_that_an_encoding_lacks(self):
+        process = self.shell("formats --format motion-npz", "", PYTHONIOENCODING="ascii")
+        assert (process.returncode, process.stderr) == (0, "")
 
 
 class TestCommandsOfOtherPackages:
