@@ -22,7 +22,7 @@ _WIDTH = 24  # characters of a bar
 
 
 def print_error(message: str) -> None:
-    """Print an error in one line on stderr; control codes that a file or a name held are left out."""
+    """Print an error in one line on stderr, without control codes from a file or a name."""
     line = "".join(letter for letter in " ".join(message.split()) if letter.isprintable())
     print(f"llsrbm: {line}", file=sys.stderr)
 

@@ -1,6 +1,7 @@
 """Standard streams of a command that survive whatever a shell makes of them.
 
-A stream may be closed (`>&-`), its disk full, its reader gone (`| head -1`), its encoding too small.
+A stream may be closed (`>&-`), its disk full, its reader gone (`| head -1`), and an encoding may
+lack letters.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from collections.abc import Iterator
 from typing import Any, TextIO
 
 
-class OutputLost(Exception):  # noqa: N818  # no error where the reader has simply gone
+class OutputLost(Exception):  # no error where the reader has simply gone
     """The standard output takes no more; `reason`: why, "" where its reader has gone."""
 
     def __init__(self, reason: str) -> None:

@@ -14,12 +14,13 @@ from llsrbm.errors import FileFormatError, InputError
 from llsrbm.motion.trajectory import Trajectory, description
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
+from llsrbm.text_files import parse_json, read_text
 
 ORDERS = ("depth-first", "breadth-first")
 _STATED = ("fps", "pad", "order", "packed")  # options that a description has
 _SMALLEST, _LARGEST = 32, 4096  # pixels
 _BESIDE = ".meta.json"  # after the whole name of the file that it is of
-_LARGEST_JSON = 4 * 1024**2  # bytes; ours have some ten thousand
+_LARGEST_JSON = 1024**2  # bytes; ours have some ten thousand
 
 
 @dataclass(frozen=True)
@@ -137,19 +138,9 @@ def read_beside(path: Path) -> dict[str, Any]:
         FileFormatError: there is one, and it is unreadable or no JSON object.
     """
     beside = path.with_name(path.name + _BESIDE)
-    try:
-        with beside.open("rb") as file:
-            content = file.read(_LARGEST_JSON + 1)
-    except FileNotFoundError:
+    if not beside.exists():
         return {}
-    except OSError as error:
-        raise FileFormatError(f"{beside}: cannot be read: {error.strerror or error}") from error
-    if len(content) > _LARGEST_JSON:
-        raise FileFormatError(f"{beside}: more than {_LARGEST_JSON} bytes; expected what is beside")
-    try:
-        table = json.loads(content)
-    except (ValueError, RecursionError) as error:
-        raise FileFormatError(f"{beside}: damaged: expected a JSON object") from error
+    table = parse_json(read_text(beside, "a JSON object", _LARGEST_JSON), str(beside))
     if not isinstance(table, dict):
         raise FileFormatError(f"{beside}: expected a JSON object")
     return table

@@ -32,16 +32,16 @@ from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
+from llsrbm.text_files import read_text
 
 Array = NDArray[np.float64]
 
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]
-_EXPECTED = (
-    "expected rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints "
-    "[rad, m]"
-)
+_WHAT = "rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints [rad, m]"
+_EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
+_MOST_COLUMNS = 200  # a row of more is not parsed
 
 
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
@@ -97,15 +97,20 @@ def _orders(robot: Robot) -> dict[int, tuple[str, ...]]:
 
 
 def _rows(path: Path, robot: Robot) -> Array:
-    lines = [line for line in _text(path).splitlines() if line.strip()]
+    text = read_text(path, _WHAT, _LARGEST)
+    if text.count("\n") > 2 * MOST_FRAMES:  # before there is a string of each
+        raise FileFormatError(f"{path}: more than {MOST_FRAMES} rows; {_EXPECTED}")
+    lines = [line for line in text.splitlines() if line.strip()]
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
     rows: list[list[float]] = []
     widths = [7 + count for count in _orders(robot)]
     for number, line in enumerate(lines, start=1):
-        cells = line.split(",")
+        columns = line.count(",") + 1
+        if columns > _MOST_COLUMNS:
+            raise _wrong_width(path, number, columns, widths, robot)
         try:
-            row = [float(cell) for cell in cells]
+            row = [float(cell) for cell in line.split(",")]
         except ValueError as error:
             if number == 1:
                 raise FileFormatError(
@@ -115,31 +120,21 @@ def _rows(path: Path, robot: Robot) -> Array:
             raise FileFormatError(
                 f"{path}: row {number}: not all of it is numbers; {_EXPECTED}"
             ) from error
-        if len(row) not in widths:
-            raise FileFormatError(
-                f"{path}: row {number} has {len(row)} columns; expected "
-                f"{' or '.join(map(str, widths))}: 7 of the root and "
-                f"{' or '.join(str(width - 7) for width in widths)} joints of robot {robot.name}"
-            )
-        widths = [len(row)]
+        if columns not in widths:
+            raise _wrong_width(path, number, columns, widths, robot)
+        widths = [columns]
         rows.append(row)
     return np.array(rows, dtype=np.float64).reshape(-1, widths[0])
 
 
-def _text(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-    except OSError as error:
-        raise FileFormatError(
-            f"{path}: cannot be read: {error.strerror or error}; {_EXPECTED}"
-        ) from error
-    if len(content) > _LARGEST:
-        raise FileFormatError(f"{path}: more than {_LARGEST} bytes, which is no jump; {_EXPECTED}")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise FileFormatError(f"{path}: not a text file; {_EXPECTED}") from error
+def _wrong_width(
+    path: Path, row: int, columns: int, widths: list[int], robot: Robot
+) -> FileFormatError:
+    return FileFormatError(
+        f"{path}: row {row} has {columns} columns; expected "
+        f"{' or '.join(map(str, widths))}: 7 of the root and "
+        f"{' or '.join(str(width - 7) for width in widths)} joints of robot {robot.name}"
+    )
 
 
 UNITREE_CSV = Format(

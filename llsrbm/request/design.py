@@ -33,11 +33,13 @@ from llsrbm.request.messages import choices, field_specs, look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tables import OneLine, Table, fault, validated
 from llsrbm.request.tuning import Tuning
+from llsrbm.text_files import decoded, parse_json, read_text
 
 SCHEMA = "llsrbm.design/1"
 SUFFIX = ".jump.json"
 LARGEST = 64_000  # bytes; a design with every weight and limit changed takes a tenth of it
 
+_WHAT = f"a design ({SCHEMA})"
 _LONGEST_TITLE, _LONGEST_NOTE = 80, 400  # characters: a line of a list, a few lines of a page
 _ALWAYS = ("robot", "model", "twist", "forward", "lateral", "height")  # stated even if they are 0
 _FARTHEST = 100.0  # rad, m or m/s; far beyond any robot, whose range is checked when it plans
@@ -85,15 +87,11 @@ def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:
     accepted. Whether the robot can do it is checked when it is planned.
     """
     if isinstance(source, bytes):
-        return _parse(source, printable(name))
-    try:
-        with Path(source).open("rb") as file:
-            # What is larger is refused without reading it all.
-            content = file.read(LARGEST + 1)
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else str(error)
-        raise FileFormatError(f"{source}: cannot be read ({why})") from error
-    return _parse(content, str(source))
+        where = printable(name)
+        if len(source) > LARGEST:
+            raise FileFormatError(f"{where}: too large for {_WHAT}; at most {LARGEST} bytes")
+        return _parse(decoded(source, where, _WHAT), where)
+    return _parse(read_text(source, _WHAT, LARGEST, piped=True), str(source))
 
 
 def file_name(design: Design) -> str:
@@ -170,27 +168,8 @@ class _File(Table):
     scenario: Annotated[Scenario, PlainValidator(_scenario)] = Scenario()
 
 
-def _parse(content: bytes, where: str) -> Design:
-    if len(content) > LARGEST:
-        raise FileFormatError(
-            f"{where}: too large for a design; expected at most {LARGEST // 1000} kB"
-        )
-    try:
-        table = json.loads(
-            content.decode(), object_pairs_hook=_without_duplicates, parse_constant=_no_constant
-        )
-    except InputError as error:
-        raise FileFormatError(f"{where}: {error}") from error
-    except UnicodeDecodeError as error:
-        raise FileFormatError(
-            f"{where}: not a text file in UTF-8; expected a design ({SCHEMA})"
-        ) from error
-    except RecursionError as error:
-        raise FileFormatError(f"{where}: nested too deeply for a design ({SCHEMA})") from error
-    except ValueError as error:  # JSONDecodeError, or a number of thousands of digits
-        reason = str(error).partition("; use sys.")[0]
-        raise FileFormatError(f"{where}: not a JSON file: {reason}") from error
-    file = _checked(table, where)
+def _parse(text: str, where: str) -> Design:
+    file = _checked(parse_json(text, where), where)
     return Design(
         jump=file.jump,
         tuning=Tuning(weights=file.weights, limits=file.limits),
@@ -198,19 +177,6 @@ def _parse(content: bytes, where: str) -> Design:
         title=file.title,
         note=file.note,
     )
-
-
-def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    table: dict[str, Any] = {}
-    for name, value in pairs:
-        if name in table:
-            raise InputError(f"{_short(name)} appears twice; expected every key once")
-        table[name] = value
-    return table
-
-
-def _no_constant(word: str) -> float:
-    raise InputError(f"expected finite numbers, got {word}")
 
 
 def _checked(table: Any, where: str) -> _File:

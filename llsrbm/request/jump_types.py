@@ -174,7 +174,7 @@ def load_type(name: str) -> JumpType:
             f'unknown jump type "{printable(name)}"; {choices(name, sorted(presets))}, or the path '
             "of a .toml file"
         )
-    if not path.is_file():  # a device is none: it is not read, nor a pipe waited for
+    if not path.exists():
         raise InputError(f"{printable(name, 200)}: no such file; expected a jump type (TOML)")
     return _current(path)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import stat
 import tomllib
 import typing
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from llsrbm.errors import InputError, printable
 from llsrbm.request.messages import choices
+from llsrbm.text_files import read_text
 
 _LARGEST = 1_000_000  # bytes; such files have a few thousand
 
@@ -59,21 +59,7 @@ def read_table(path: Path, what: str, error: type[InputError] = InputError) -> d
 
     Raises `error`: one line that names the file and what is wrong with it.
     """
-    try:
-        # The path may come from a stranger's plan: no device is read, no pipe waited for.
-        kind = path.stat().st_mode
-        if not stat.S_ISREG(kind) and not stat.S_ISDIR(kind):
-            raise error(f"{path}: cannot be read (not a regular file)")
-        with path.open("rb") as file:
-            content = file.read(_LARGEST + 1)
-        if len(content) > _LARGEST:
-            raise error(f"{path}: too large for {what}; at most {_LARGEST} bytes")
-        text = content.decode()
-    except OSError as reason:
-        raise error(f"{path}: cannot be read ({reason.strerror})") from reason
-    except UnicodeDecodeError as reason:
-        raise error(f"{path}: not a text file in UTF-8") from reason
-    return parse_table(text, str(path), error)
+    return parse_table(read_text(path, what, _LARGEST, error), str(path), error)
 
 
 def parse_table(text: str, where: str, error: type[InputError] = InputError) -> dict[str, Any]:

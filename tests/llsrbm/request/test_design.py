@@ -98,10 +98,10 @@ def test_a_file_from_before_there_were_arms_has_them_free():
 @pytest.mark.parametrize(
     ("content", "complaint"),
     [
-        (b"", "design: not a JSON file: Expecting value: line 1 column 1 (char 0)"),
+        (b"", "design: an empty file; expected a design (llsrbm.design/1)"),
         (b"PK\x03\x04\xff", "design: not a text file in UTF-8; expected a design"),
-        (b"[" * LARGEST, "design: nested too deeply for a design"),
-        (b" " * (LARGEST + 1), "design: too large for a design; expected at most 64 kB"),
+        (b"[" * LARGEST, "design: not a JSON file: nested too deeply"),
+        (b" " * (LARGEST + 1), "design: too large for a design (llsrbm.design/1); at most 64000"),
         (
             b'{"schema": "llsrbm.design/2", "jump": 1}',
             'design: schema: expected "llsrbm.design/1", got "llsrbm.design/2"',

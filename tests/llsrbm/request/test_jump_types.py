@@ -139,7 +139,7 @@ def test_names_of_legs(file):
         ("-6.283185307179586", '"x"', 'defaults.pitch: input should be a valid number, got "x"'),
         ("[limits]", "[limits", "not a TOML file: Expected ']' at the end of a table declaration"),
         ("[limits]", "x = " + "[" * 5000, "not a TOML file: nested too deeply"),
-        ("[limits]", "#" * 1_000_000, "too large for a jump type; at most 1000000 bytes"),
+        ("[limits]", "#" * 1_000_000, "too large for a jump type; expected at most 1000000 bytes"),
     ],
 )
 def test_a_wrong_file_is_one_line(file, old, new, said):
