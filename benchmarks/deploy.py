@@ -28,11 +28,11 @@ import typer
 
 import llsrbm
 from benchmarks.counting import seeds_of, write_lines
+from llsrbm.motion.outcome import FEET_WITHIN, FINAL_TILT, PEAK_TILT, SECOND_FLIGHT
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.player.played import play
 from llsrbm.robots import load_robot
 from llsrbm.simulation.disturbance import draw_disturbance
-from llsrbm.simulation.verdict import FEET_WITHIN, FINAL_TILT, PEAK_TILT, SECOND_FLIGHT
 
 JUMPS = {
     "go2-twist90": {"robot": "go2", "twist": math.pi / 2},

@@ -9,7 +9,7 @@ import math
 import sys
 
 import llsrbm
-from llsrbm.analysis.summaries import worst_violation
+from llsrbm.analysis.wording import worst_violation
 from llsrbm.request.design import Design, examples
 
 COLUMNS = (

@@ -30,7 +30,7 @@ from benchmarks.counting import count, seeds_of
 from benchmarks.realised import realise
 from llsrbm.commands import options
 from llsrbm.mechanics import rotation_matrices
-from llsrbm.motion.outcome import Outcome
+from llsrbm.motion.outcome import FEET_WITHIN, PEAK_TILT, Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.scenario import Scenario
@@ -38,7 +38,6 @@ from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import with_drives
 from llsrbm.simulation.simulate import simulate
-from llsrbm.simulation.verdict import FEET_WITHIN, PEAK_TILT
 
 app = typer.Typer(help=__doc__, add_completion=False)
 

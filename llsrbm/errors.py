@@ -74,7 +74,7 @@ class Stop:
         if self.demand is not None:
             if self.amount == 0:
                 of = self.demand
-                return f"{of.joint} is at its {of.has:.3g} {of.unit} {of.when}"
+                return f"{of.joint} is at its limit of {of.has:.3g} {of.unit} {of.when}"
             return str(self.demand)
         where = f"in {self.phase} at {self.time:.2f} s"
         if self.limit is None:

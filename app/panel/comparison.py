@@ -13,7 +13,8 @@ from app.guard.validation import put
 from app.motion.colours import Rgb
 from app.panel.acts import Act, Buttons, Put, add_buttons, callback
 from app.panel.html import DIM, SMALL, note, swatch
-from llsrbm.analysis.figures import FIGURES, DesignFigures, Figure
+from llsrbm.analysis.figure_table import FIGURES, Figure
+from llsrbm.analysis.figures import DesignFigures
 
 _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
 _NONE = "nothing pinned"

@@ -138,8 +138,8 @@
       }
       llsrbm.dialog.open(
         "Share this design",
-        copied ? "The link is copied. It opens this design on this server; it holds all of it."
-          : "Copy this link. It opens this design on this server; it holds all of it.",
+        copied ? "The link is copied. It opens this whole design on this server."
+          : "Copy this link. It opens this whole design on this server.",
         address,
       );
     },

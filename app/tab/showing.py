@@ -12,6 +12,7 @@ from app.tab.acts import Step, played_first
 from app.tab.effects import Effect, Keep, LoadRobot
 from app.tab.state import Given, Shown, TabState
 from app.workers import reports
+from llsrbm.analysis.wording import worst_violation
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
@@ -80,7 +81,7 @@ def show_given(state: TabState, given: Given) -> Step:
     elif plan.solved:
         state = replace(state, status=summaries.plan_status(plan, given.source))
     else:
-        worst = summaries.worst(plan.violations)
+        worst = worst_violation(plan)
         source = f"{given.source}: " if given.source else ""
         line = f"{source}the planner did not converge, largest violation {worst}."
         state = state.with_status(Verdict.FAILED, line)

@@ -20,6 +20,7 @@ from app.workers.reports import (
     SimulatedSoFar,
 )
 from app.workers.tasks import SimulateJump, SimulateSeeds
+from llsrbm.analysis.wording import landing
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.numbers import decimal
@@ -89,8 +90,8 @@ def result_of(seed: int, rollout: Rollout) -> SeedResult:
         at = "" if outcome.fell_at_s is None else f" at {decimal(outcome.fell_at_s, 2)} s"
         line = f"Fell{at}: {outcome.reason}."
     else:
-        loosely = "" if outcome.strict else ", not strict"
-        line = f"Landed{loosely}; feet within {decimal(1e3 * outcome.foot_error)} mm of the plan."
+        feet = f"; feet within {decimal(1e3 * outcome.foot_error)} mm of the plan"
+        line = f"{landing(outcome)}{feet if outcome.strict else ''}."
     return SeedResult(
         seed=seed,
         landed=rollout.landed,

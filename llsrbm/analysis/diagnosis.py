@@ -208,7 +208,7 @@ def _away_from_reference(record: Record) -> Iterator[Event]:
         ),
         ("sink", -away[:, 2], SINK * record.height, 100, "the CoM sank {:.0f} cm below the plan"),
         ("rise", away[:, 2], RISE * record.height, 100, "the CoM rose {:.0f} cm above the plan"),
-        ("spin", spin, SPIN, 1, "the whole body turned {:.1f} rad/s off the plan"),
+        ("spin", spin, SPIN, 1, "the whole body's turning rate was {:.1f} rad/s off the plan"),
     )
     for what, values, thresholds, scale, words in signals:
         found = _first(values / thresholds[record.part])

@@ -7,7 +7,6 @@ contact, its forces hold impacts, and the time to solve it is not known.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,7 +21,6 @@ from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.request.numbers import decimal
 
 Array = NDArray[np.float64]
 
@@ -149,79 +147,6 @@ def _moving(
         "peak_force": peak,
         "peak_force_in_weights": peak / (mass * GRAVITY) if weighed else None,
     }
-
-
-@dataclass(frozen=True)
-class Figure:
-    """Title, unit and format of one of the figures."""
-
-    name: str  # of `DesignFigures`
-    title: str  # in words
-    short: str  # the same where there is little room
-    unit: str  # shown
-    scale: float  # from SI to it
-    decimals: int  # after the point
-    # False where neither is: a short flight is not better than a long one.
-    smaller_is_better: bool = False
-    signed: bool = False  # whether it has a sign, and what is to be small is its size
-
-    def value(self, figures: DesignFigures) -> float | None:
-        """In SI units; None for what is not known or no number."""
-        value = getattr(figures, self.name)
-        return None if value is None or not math.isfinite(value) else float(value)
-
-    def shown(self, figures: DesignFigures) -> str:
-        """In the unit that is shown, without it."""
-        value = self.value(figures)
-        return "–" if value is None else self._text(value, signed=self.signed)
-
-    def difference(self, figures: DesignFigures, other: DesignFigures) -> str:
-        """By how much `figures` are more than `other`, with unit; "" where one is not known."""
-        mine, theirs = self.value(figures), self.value(other)
-        if mine is None or theirs is None:
-            return ""
-        return f"{self._text(mine - theirs, signed=True)} {self.unit}"
-
-    def best(self, designs: Sequence[DesignFigures]) -> frozenset[int]:
-        """Indices of the best designs, as shown; none where all are alike or it has no best."""
-        sizes = {
-            index: round(abs(value) * self.scale, self.decimals)
-            for index, design in enumerate(designs)
-            if design.valid and (value := self.value(design)) is not None
-        }
-        if not self.smaller_is_better or len(set(sizes.values())) < 2:
-            return frozenset()
-        smallest = min(sizes.values())
-        return frozenset(index for index, size in sizes.items() if size == smallest)
-
-    def _text(self, value: float, *, signed: bool) -> str:
-        return decimal(value * self.scale, self.decimals, signed=signed)
-
-
-_TURN: dict[str, Any] = {"unit": "°", "scale": math.degrees(1), "decimals": 1, "signed": True}
-
-FIGURES = (
-    Figure("duration_s", "Duration", "duration", "s", 1, 2),
-    Figure("flight_time_s", "Flight time", "flight", "s", 1, 3),
-    Figure("apex", "CoM rises", "apex", "m", 1, 3),
-    Figure("final_yaw", "Yaw at the end", "yaw", "°", math.degrees(1), 1, signed=True),
-    Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
-    Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
-    Figure("smallest_Izz", "Least Izz", "Izz", "kg m²", 1, 2),
-    Figure("peak_force", "Peak force", "force", "N", 1, 0, smaller_is_better=True),
-    Figure("peak_force_in_weights", "Peak force", "force", "weights", 1, 2, smaller_is_better=True),
-    Figure(
-        "planned_torque_ratio", "Planned torque", "planned", "%", 100, 0, smaller_is_better=True
-    ),
-    Figure("peak_torque_ratio", "Peak torque", "torque", "%", 100, 0, smaller_is_better=True),
-    Figure("model_turn_in_flight", "Model's turn error", "model", **_TURN, smaller_is_better=True),
-    Figure("yaw_error_in_flight", "Turn in flight", "in flight", **_TURN, smaller_is_better=True),
-    Figure("yaw_error_at_lift_off", "Yaw at lift-off", "lift-off", **_TURN),
-    # Not the smaller the better: of a poor model the errors before and in flight cancel.
-    Figure("yaw_error_at_touchdown", "Yaw at contact", "yaw error", **_TURN),
-    Figure("solve_time_s", "Solve time", "solve", "ms", 1e3, 0, smaller_is_better=True),
-)
-"""The row, in its order, after the status."""
 
 
 def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:

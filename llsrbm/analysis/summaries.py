@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import Any
 
@@ -22,16 +21,6 @@ from llsrbm.motion.trajectory import json_value
 def peak_yaw_rate(plan: Plan) -> float:
     """Largest |angular velocity about z| of the base, rad/s."""
     return float(np.abs(plan.angular_velocity[:, 2]).max())
-
-
-def worst_violation(plan: Plan) -> str:
-    """One line on the constraint that is violated most, each measured in its own SI unit."""
-    if not plan.violations:
-        return "none is known"
-    name, worst = max(
-        plan.violations.items(), key=lambda item: np.nan_to_num(item[1].amount, nan=math.inf)
-    )
-    return f"at most {worst.amount:.1e} {worst.unit} ({name}, {worst.phase}, {worst.time:.2f} s)"
 
 
 _OF_REPORT = (

@@ -96,7 +96,7 @@ def _table(
     files: Sequence[str], titles: Sequence[str], rows: Sequence[DesignFigures], *, mark: bool
 ) -> list[str]:
     """Head of two lines, names and units, and a line a design; figures to the right."""
-    from llsrbm.analysis.figures import FIGURES
+    from llsrbm.analysis.figure_table import FIGURES
 
     columns = [["file", "", *files], ["design", "", *titles], ["", "", *(r.status for r in rows)]]
     lines = [[f"{cell:<{max(map(len, column))}}" for cell in column] for column in columns]

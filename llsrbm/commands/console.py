@@ -89,8 +89,9 @@ def print_result(
     if as_json:
         print(json.dumps(result, allow_nan=False), file=stdout)
     else:
+        width = max(map(len, lines), default=0)
         for name, value in lines.items():
-            print(f"{name:<9} {value}", file=stdout)
+            print(f"{name:<{width}}  {value}", file=stdout)
 
 
 def print_table(rows: dict[str, str]) -> None:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from llsrbm.commands import console, options
 from llsrbm.errors import NotConverged
-from llsrbm.request.numbers import degrees
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
-    from llsrbm.motion.solve_report import Refinement
 
 
 @options.with_jump_options
@@ -81,68 +78,11 @@ def plan_command(
 
 
 def _description(plan: Plan) -> dict[str, str]:
-    from llsrbm.analysis.summaries import peak_yaw_rate, worst_violation
-    from llsrbm.mechanics import final_yaw
-
-    report = plan.report
-    iterations = f"{report.iterations} iterations {report.guess}".rstrip()
-    compiling = ", still being compiled: twice as fast once it is" if report.compiling else ""
-    turn = final_yaw(plan.time, plan.base_quat, plan.angular_velocity[:, 2])
-    return {
-        "request": options.in_words(plan.jump),
-        "solver": f"{report.status} by {report.solver} in {iterations}, "
-        f"{1e3 * report.solve_time_s:.0f} ms ({1e3 * report.total_time_s:.0f} ms from request to "
-        f"plan, {report.build_time_s:.2f} s to build the solver{compiling})",
-        **({} if plan.refinement is None else {"whole body": _refinement(plan.refinement)}),
-        "duration": f"{plan.duration:.2f} s: {_phases(plan)} s",
-        "turn": f"{degrees(turn)}, peak yaw rate {peak_yaw_rate(plan):.2f} rad/s",
-        "model": _model(plan),
-        # The instants of one that failed may run backwards.
-        "joints": _joints(plan) if plan.solved else "-",
-        "violation": worst_violation(plan),
-    }
-
-
-def _refinement(of: Refinement) -> str:
-    effort = f"{of.iterations} iterations, {1e3 * of.solve_time_s:.0f} ms"
-    if of.status != "solved":
-        return f"not refined: the second stage did not converge ({effort}); this is the first's"
-    building = f", {of.build_time_s:.1f} s to build the solver" if of.build_time_s > 0.1 else ""
-    compiling = ", still being compiled" if of.compiling else ""
-    return f"refined in {effort}{building}{compiling}"
-
-
-def _model(plan: Plan) -> str:
-    """The model, and by how much the whole body turns beyond what it promises."""
-    from llsrbm.analysis.model_turn import model_turn
-
-    error = model_turn(plan)
-    if error is None:
-        return plan.jump.model
-    return (
-        f"{plan.jump.model}; the whole body turns {degrees(error.takeoff, signed=True)} further "
-        f"until lift-off and {degrees(error.flight, signed=True)} in flight"
-    )
-
-
-def _phases(plan: Plan) -> str:
-    """Name and duration, s, of each phase, with its feet where only some of them stand."""
-    parts = []
-    for phase, (start, end) in zip(plan.schedule, pairwise(plan.phase_start), strict=True):
-        some = 0 < len(phase.feet) < len(plan.schedule.legs)
-        feet = f" on {' and '.join(phase.feet)}" if some else ""
-        parts.append(f"{phase.name}{feet} {end - start:.2f}")
-    return ", ".join(parts)
-
-
-def _joints(plan: Plan) -> str:
     from llsrbm.analysis.joint_margins import joint_margins
-    from llsrbm.analysis.summaries import planned_peak_load
+    from llsrbm.analysis.wording import plan_rows
     from llsrbm.robots import load_robot
 
-    robot = load_robot(plan.jump.robot)
-    load = planned_peak_load(plan)
-    margins = joint_margins(plan, robot).worst()
-    if load is None:
-        return margins
-    return f"{load.joint} is most loaded, {load.in_words(robot.sliding_joints)}; {margins}"
+    rows = {"Request": options.in_words(plan.jump), **dict(plan_rows(plan))}
+    if plan.solved:  # the instants of one that failed may run backwards
+        rows["Joints"] = joint_margins(plan, load_robot(plan.jump.robot)).worst()
+    return rows

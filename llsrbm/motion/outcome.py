@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 SATURATED = 0.99  # share of what a drive can give
+
+# The thresholds of strict success.
+FEET_WITHIN = 0.05  # m, horizontally
+FINAL_TILT = math.radians(2.0)
+PEAK_TILT = math.radians(15.0)
+SECOND_FLIGHT = 0.03  # s
 
 
 @dataclass(frozen=True)
@@ -90,3 +97,22 @@ class Outcome:
     yaw_error_at_lift_off: float | None = None
     yaw_error_in_flight: float | None = None
     yaw_error_at_planned_touchdown: float | None = None
+
+    @property
+    def shortfalls(self) -> tuple[str, ...]:
+        """Names of the demands that a landing misses, empty of a strict one.
+
+        "feet", "touched", "tilt", "peak_tilt", "second_flight", "unsolved"; "rebound" where a
+        flight before the last did not end on all feet that were to stand.
+        """
+        if self.strict:
+            return ()
+        found = {
+            "feet": self.recovered or self.foot_error >= FEET_WITHIN,
+            "touched": self.touched != "",
+            "tilt": self.final_tilt >= FINAL_TILT,
+            "peak_tilt": self.peak_tilt >= PEAK_TILT,
+            "second_flight": self.second_flight_s >= SECOND_FLIGHT,
+            "unsolved": self.unsolved_ticks > 0,
+        }
+        return tuple(name for name, wrong in found.items() if wrong) or ("rebound",)

@@ -26,7 +26,14 @@ from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
 from llsrbm.mechanics import tilt, turned
-from llsrbm.motion.outcome import SATURATED, Outcome
+from llsrbm.motion.outcome import (
+    FEET_WITHIN,
+    FINAL_TILT,
+    PEAK_TILT,
+    SATURATED,
+    SECOND_FLIGHT,
+    Outcome,
+)
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot
@@ -35,12 +42,7 @@ from llsrbm.simulation.episode import Fall, Recorder
 
 Array = NDArray[np.float64]
 
-# The thresholds of strict success.
-FEET_WITHIN = 0.05  # m, horizontally
-FINAL_TILT = np.radians(2.0)
-PEAK_TILT = np.radians(15.0)
-SECOND_FLIGHT = 0.03  # s
-# Those of a fall.
+# The thresholds of a fall; those of strict success are in `llsrbm.motion.outcome`.
 _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robot sits, not stands
 _LEANING = np.radians(15.0)
 _AT_REST = 0.2  # s before the end in which a robot should stand still
@@ -291,9 +293,11 @@ def _not_standing(
     if touchdown is None:
         return Fall(end, "it never touched the ground again")
     if height < _LOW:
-        return Fall(end, f"it sits: the CoM is at {100 * height:.0f} % of its planned height")
+        return Fall(
+            end, f"it does not stand up: the CoM is at {100 * height:.0f} % of its planned height"
+        )
     if at_end["final_tilt"] > _LEANING:
-        return Fall(end, f"it leans {np.degrees(at_end['final_tilt']):.0f} deg at the end")
+        return Fall(end, f"it leans {np.degrees(at_end['final_tilt']):.0f}° at the end")
     if at_end["final_speed"] > _STILL:
         return Fall(end, f"it still moves at {at_end['final_speed']:.2f} m/s at the end")
     return None

@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
-from llsrbm.analysis.summaries import plan_summary, worst_violation
+from llsrbm.analysis.summaries import plan_summary
+from llsrbm.analysis.wording import plan_rows
 from llsrbm.errors import Error, FileFormatError, InputError
 from llsrbm.formats import export
 from llsrbm.look.timeline import timeline
@@ -336,7 +337,7 @@ def use(trajectory, folder: Path) -> None:
         timeline(trajectory)
         figures_of_plan(trajectory)
         plan_summary(trajectory)
-        worst_violation(trajectory)
+        plan_rows(trajectory)
         title_of(trajectory.jump, trajectory.tuning)
     else:
         timeline(trajectory.plan, trajectory)

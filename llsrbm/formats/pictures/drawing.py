@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.analysis.diagnosis import fall_in_words
+from llsrbm.analysis.wording import outcome_words
 from llsrbm.errors import InputError
 from llsrbm.formats.shown import Bodies, ellipsoid_of, mass_of, surroundings_of
 from llsrbm.look import palette
@@ -240,18 +240,3 @@ def title(trajectory: Trajectory) -> str:
     else:
         task = title_of(plain, trajectory.plan.tuning, trajectory.scenario)
     return f"{Path(jump.robot).stem}: {task}"
-
-
-def outcome_words(trajectory: Trajectory) -> str:
-    """The result in words, the most important thing first."""
-    if isinstance(trajectory, Plan):
-        if trajectory.solved:
-            return f"planned in {1e3 * trajectory.report.solve_time_s:.0f} ms"
-        return "not a feasible plan: the solver did not converge"
-    outcome = trajectory.outcome
-    if not trajectory.landed:
-        return f"fell {fall_in_words(trajectory)}"
-    yaw = math.degrees(outcome.final_yaw_error)
-    away = 1e3 * outcome.final_position_error
-    loosely = "" if outcome.strict else ", though not by the strict measure"
-    return f"landed, {abs(yaw):.1f}° and {away:.0f} mm from the plan at the end{loosely}"

@@ -93,7 +93,7 @@ def test_a_plan_is_shown_without_planning(tab):
     assert tab.state.note == "Opened mine.npz. It is old."
     assert tab.told[0] is Verdict.FEASIBLE
     assert tab.told[1] == "from file mine.npz"
-    assert tab.state.status.figures[0] == ("Flight", "0.50 s")
+    assert tab.state.status.figures[0] == ("Flight time", "0.500 s")
     assert tab.move() == ()  # it counts as planned
     tab.move(forward=0.13)
     assert tab.one.task.near is plan

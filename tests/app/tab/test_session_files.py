@@ -133,7 +133,7 @@ def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, sess
     _, wxyz, _ = script.at("/pinned/1/base", 1.5)
     assert abs(wxyz[3]) == pytest.approx(1, abs=1e-3)  # half a turn
     tab.wait(lambda: "motion" in tab.text(), "its column")
-    for figure in ("Duration", "CoM rises", "Yaw at the end", "+180.0", "Flight time"):
+    for figure in ("Duration", "Apex", "Yaw at the end", "+180.0", "Flight time"):
         assert figure in tab.text()
     titles = {title for m in list(tab.controls.values()) if (title := m["props"].get("title"))}
     assert "CoM position, z [m]" in titles

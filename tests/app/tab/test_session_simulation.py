@@ -25,7 +25,7 @@ def test_simulate_runs_and_says_how_it_ended(tab, session, script):
     assert told.startswith("Landed Yaw error −2.9° Tilt")
     assert session.rollout.jump == session.plan.jump
     assert session.rollout.scenario == llsrbm.Scenario()
-    assert "Saturated ticks" in tab.text()
+    assert "saturated in" in tab.text()
     assert "detected +5.0 ms" in script.events["summary"]
 
 

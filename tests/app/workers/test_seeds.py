@@ -180,7 +180,7 @@ def test_results_say_in_words_how_it_went():
         "Landed; feet within 12 mm of the plan."
     )
     assert result_of(1, rollout(foot_error=0.08, strict=False)).line == (
-        "Landed, not strict; feet within 80 mm of the plan."
+        "Landed, not strict: feet misplaced by 80 mm."
     )
     fallen = result_of(7, rollout(1.1))
     assert fallen.line.startswith("Fell at 1.10 s: ")

@@ -134,7 +134,7 @@ def test_a_whole_body_that_turns_otherwise():
     excess = GOOD.inertia[turning] @ rate
     event = only(changed(angular_momentum=add(turning, excess)))
     assert (event.time, event.what) == (pytest.approx(0.6), "spin")
-    assert event.words == "the whole body turned 1.5 rad/s off the plan"
+    assert event.words == "the whole body's turning rate was 1.5 rad/s off the plan"
 
 
 def test_a_foot_that_slips():

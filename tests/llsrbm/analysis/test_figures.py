@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.analysis.figures import FIGURES, DesignFigures, figures_of_plan, figures_of_rollout
+from llsrbm.analysis.figure_table import FIGURES
+from llsrbm.analysis.figures import DesignFigures, figures_of_plan, figures_of_rollout
 from tests.llsrbm.synthetic import FLIGHT, GRAVITY, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 from tests.llsrbm.synthetic_rollout import (
     EARLY_TICKS,

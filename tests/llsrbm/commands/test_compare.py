@@ -6,7 +6,8 @@ from dataclasses import asdict, replace
 import pytest
 
 from llsrbm import cli
-from llsrbm.analysis.figures import FIGURES, figures_of_plan, figures_of_rollout
+from llsrbm.analysis.figure_table import FIGURES
+from llsrbm.analysis.figures import figures_of_plan, figures_of_rollout
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -165,12 +165,11 @@ def test_summary_for_a_person(planner, capsys):
     assert cli.main(["plan", "--twist", "90"]) == 0
     out = capsys.readouterr().out
     assert "llsrbm-plus: twist 90°, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
-    assert "1.50 s: take-off 0.50, flight 0.40, landing 0.60 s\n" in out
+    assert "1.50 s = take-off 0.50 + flight 0.40 + landing 0.60\n" in out
     assert "14 iterations" in out
-    assert "is most loaded, " in out
     assert " of 40 Nm in " in out
     assert "fastest" in out
-    assert "2.0e-05 N (friction, landing, 1.10 s)" in out
+    assert "2.0e−05 N, landing at 1.10 s (friction)" in out
 
 
 def test_the_planners_refusal_is_exit_2(planner, capsys):
