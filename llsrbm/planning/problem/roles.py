@@ -85,6 +85,11 @@ class Role:
         return not self.standing
 
     @property
+    def lands_shifted(self) -> bool:
+        """True if where feet land as the interval ends is shifted: from the next flight on."""
+        return self.shifted or (self.shifts and self.is_flight)
+
+    @property
     def moves_feet(self) -> bool:
         """True if a foot leaves, swings or lands here: where joints are fast."""
         return bool(self.swinging or self.rising or self.landing)

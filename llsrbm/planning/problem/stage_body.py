@@ -91,8 +91,10 @@ class StageBody:
         legs = self.layout.legs_of(name, self.role)
         if not legs:
             return {}
-        values = self._chosen_or_given(name)
-        return dict(zip(legs, ca.vertsplit(values, self._width(name)), strict=True))
+        parts = ca.vertsplit(self._chosen_or_given(name), self._width(name))
+        if name not in self.symbols:  # a parameter is of all legs, also of those that stand
+            parts = [parts[leg] for leg in legs]
+        return dict(zip(legs, parts, strict=True))
 
     def _chosen_or_given(self, name: str) -> Any:
         """A variable, or where it all begins a parameter."""

@@ -7,6 +7,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.mechanics import turns_about_z
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
@@ -141,12 +142,16 @@ class FinalPlace(Constraint):
 
     def rows(self, stage: Stage) -> Any:
         """(2, 1) m: how far the CoM is from its target above the feet, along the target's axes."""
-        return stage.off_goal[:2]
+        w, z = stage.parameters["goal_quat"][0], stage.parameters["goal_quat"][3]
+        c, s = w * w - z * z, 2 * w * z
+        x, y = stage.off_goal[0], stage.off_goal[1]
+        return ca.vertcat(c * x + s * y, c * y - s * x)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """A share of the way to the outermost contact point."""
+        """Along each of these axes a share of the way to the nearest contact point."""
         last = task.places[-1]
-        top = INSIDE * np.abs(last.contacts[:, :2] - task.goal_position[:2]).min(axis=0)
+        seen = (last.contacts - task.goal_position) @ turns_about_z(np.array(last.heading))
+        top = INSIDE * np.abs(seen[:, :2]).min(axis=0)
         return -top, top
 
 

@@ -105,10 +105,11 @@ class PutDown(Constraint):
         return bool(role.settling)
 
     def rows(self, stage: Stage) -> Any:
-        """(2 settling, 1) m, horizontal places."""
+        """(2 settling, 1) m, horizontal places, less the shift of where they land."""
         if not stage.layout.turns:
             return ca.SX(0, 1)
-        return ca.vertcat(*(stage.foot_place(i)[:2] for i in stage.role.settling))
+        shift = stage.shift if stage.role.lands_shifted else ca.SX.zeros(2)
+        return ca.vertcat(*(stage.foot_place(i)[:2] - shift for i in stage.role.settling))
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Around where they will stand."""

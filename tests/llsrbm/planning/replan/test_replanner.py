@@ -8,12 +8,13 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
+import llsrbm
 from llsrbm.control.reference import Reference
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.planning.problem.constraints.drives import TORQUE_ALLOWANCE
 from llsrbm.planning.replan.replanner import LONGER, Replanner
-from llsrbm.planning.replan.under_way import NEED_TORQUE, State, interpolated
+from llsrbm.planning.replan.under_way import NEED_TORQUE, State, interpolated, planned_state
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 
@@ -194,3 +195,29 @@ def test_robots_that_fall_are_answered_too(phase):
         time = rng.uniform(start, end - 0.08)
         answer = replanner.replan(state(time, phase, velocity=velocity, momentum=momentum))
         assert answer.solve_time_s < 5.0
+
+
+def test_a_robot_pushed_aside_comes_to_rest_aside_whatever_its_heading():
+    """As much as one that has not turned, pushed as it touches down."""
+    aside, push = [], np.array([0.0, 0.4, 0.0])
+    for heading in np.radians([0.0, 28.2]):
+        turned = Rotation.from_euler("z", heading)
+        first = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=heading))
+        at = planned_state(first, LANDING)
+        at = replace(at, com_velocity=at.com_velocity + turned.apply(push))
+        new = Replanner(first, ROBOT).replan(at).plan
+        aside.append(turned.inv().apply(new.com[-1] - first.com[-1]))
+    assert aside[0][1] > 0.05
+    assert aside[1] == pytest.approx(aside[0], abs=5e-3)
+
+
+def test_while_only_one_side_has_landed_the_other_is_planned_anew():
+    first = llsrbm.plan(llsrbm.Jump(robot="anymal", type="one-foot-first", forward=0.1))
+    at = planned_state(first, LANDING)
+    at = replace(at, com_velocity=at.com_velocity + np.array([0.1, 0.1, 0.0]))
+    new = Replanner(first, ROBOT).replan(at).plan
+    stands = first.schedule.stands[LANDING]
+    assert 0 < stands.sum() < 4
+    assert new.foot_position[-1, stands] == pytest.approx(at.foot_position[stands], abs=1e-3)
+    assert new.foot_position[-1] == pytest.approx(first.foot_position[-1], abs=1e-3)
+    assert new.com_velocity[-1] == pytest.approx(np.zeros(3), abs=5e-3)
