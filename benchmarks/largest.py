@@ -95,7 +95,7 @@ def ways(form: Formulation, task: Task, last: Attempt | None) -> Iterator[Callab
     """Solves of a task, from what was planned before."""
     watch = Watch()
     if last is not None:
-        before = form.minding(last).agreed_bounds
+        before = form.with_shifted_bounds(last).agreed_bounds
         minded = replace(task, agreed_bounds=before)
         yield lambda: form.follow(minded, last.solution, watch)
         yield lambda: form.solve(minded, last.solution.variables, watch, CLOSE)
@@ -115,7 +115,7 @@ def attempted(
         task = put_limits(make_task(jump, form.robot, tuning.weights), tuning.limits)
         task = replace(task, tuning=tuning)
         for solve in ways(form, task, last):
-            tried.append(form.agreed(solve(), Watch()))
+            tried.append(form.reconciled(solve(), Watch()))
             if tried[-1].solved:
                 return tried[-1]
     return min(tried, key=lambda attempt: excess(attempt.violations))

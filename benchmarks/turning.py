@@ -82,7 +82,7 @@ def weaker(
         task = replace(with_scaled(other, torque, speed), correction=last.task.correction)
         task = replace(task, rolled=last.task.rolled)
         attempt = form.solve(task, last.solution.variables, Watch(), STEPPED)
-        tried.append(form.agreed(attempt, Watch()))
+        tried.append(form.reconciled(attempt, Watch()))
         if tried[-1].solved:
             return tried[-1]
     return min(tried, key=lambda attempt: excess(attempt.violations))
@@ -127,12 +127,12 @@ def main(
     for turn in turns.split(","):
         form, task = formulation(load_robot(SOURCE), turn)
         strong = with_scaled(task, STRONG, STRONG)
-        source = form.agreed(form.solve(strong, form.guess(strong), Watch(), CAUTIOUS), Watch())
+        source = form.reconciled(form.solve(strong, form.guess(strong), Watch(), CAUTIOUS), Watch())
         for name in robots.split(","):
             form, task = formulation(load_robot(name), turn)
             strong = with_scaled(task, STRONG, STRONG)
             guess = similar(source, form, strong)
-            first = form.agreed(form.solve(strong, guess, Watch(), CAUTIOUS), Watch())
+            first = form.reconciled(form.solve(strong, guess, Watch(), CAUTIOUS), Watch())
             first = first if first.solved else weaker(form, [task], STRONG, STRONG, first)
             if not first.solved:
                 why = describe_worst(first.violations)

@@ -165,7 +165,7 @@ def _of_plan(plan: Plan, robot: Robot) -> SampledMotion:
         points=sampled.contact_point.reshape(feet),
         forces=sampled.contact_force.reshape(feet),
         recorded_torque=None,
-        friction=plan.tuning.limits.get("friction", robot.file.limits.friction),
+        friction=plan.friction,
         whole_feet=False,
     )
 

@@ -70,7 +70,9 @@ class WholeBodyController:
         self.landing = landing.resolved(scenario.landing, settings.force_phase)
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
-        self._dynamics = InverseDynamics(body, settings.friction, scenario.solver, self._tick)
+        # The same share of what the plan was made with as of what the robot is planned with.
+        friction = settings.friction * (plan.friction / robot.file.limits.friction)
+        self._dynamics = InverseDynamics(body, friction, scenario.solver, self._tick)
         self._delay = DelayEstimate(self._tick)
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)

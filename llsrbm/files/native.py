@@ -66,6 +66,10 @@ StatedCertificate = Annotated[dict[_Name, StatedFinding], Field(max_length=100)]
 """Name of a check -> its finding: the certificate that a file carries."""
 
 
+class _RobotLimits(BaseModel):
+    friction: Annotated[float, Field(gt=0, le=1e3)] = 0.5
+
+
 class _RobotNumbers(BaseModel):
     """Those of a robot's numbers that the library itself looks at, where a file has them."""
 
@@ -75,6 +79,7 @@ class _RobotNumbers(BaseModel):
     legs: dict[_Name, Any] = Field(default_factory=dict)
     joint_names: _Names = Field(default_factory=list)
     sliding_joints: _Names = Field(default_factory=list)
+    limits: _RobotLimits | None = None
 
 
 class Meta(BaseModel):

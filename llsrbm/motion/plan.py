@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import PlainSerializer, PlainValidator
+from pydantic import Field, FiniteFloat, PlainSerializer, PlainValidator
 
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.files.native import (
@@ -97,6 +98,9 @@ class Plan(OfRobot):
         robot_parameters: the numbers of the robot that were used, as plain data.
         violations: constraint name -> largest violation, recomputed with NumPy.
         tuning: weights and limits that were requested in place of the robot's.
+        limits: name -> value in SI units of every limit that it was planned under: the request's,
+            else the jump type's, else the robot's (`llsrbm.planning.problem.limits`). Files that
+            were written before files held them have the request's alone.
         solution: of the solver, for plans that start from this one; None of a plan that failed.
         refinement: of the second stage, if there was one. Knots of a refined plan are those of its
             intervals and the middles between them; `report` and `solution` are of the first stage.
@@ -191,10 +195,17 @@ class Plan(OfRobot):
         ),
     ] = field(default=None, repr=False)
     tuning: Tuning = field(default_factory=Tuning)
+    limits: Mapping[str, float] = field(default_factory=dict)
     solution: Iterate | None = field(default=None, repr=False)
     obstacle: Obstacle | None = None
     refinement: Refinement | None = None
     certificate: StatedCertificate | None = field(default=None, repr=False)
+
+    @property
+    def friction(self) -> float:
+        """Coefficient of friction that it was planned with."""
+        own = self.robot_parameters.get("limits") or {}
+        return float(self.limits.get("friction", own.get("friction", DEFAULT_FRICTION)))
 
     @property
     def refined(self) -> bool:
@@ -282,12 +293,14 @@ class Plan(OfRobot):
             found = checked(arrays, _SOLUTION_LAYOUT, path)
             solution = Iterate(**{name: found[key] for name, key in _SOLUTION.items()})
         stated = {name: getattr(meta, name) for name in _STATED}
+        stated["limits"] = meta.limits or dict(meta.tuning.limits)
         if meta.refinement is not None and meta.refinement.status == "solved":
             _check_refined(values, path)
         return Plan(jump=meta.request, solution=solution, **stated, **values)
 
 
 SCHEMA = "llsrbm.plan/2"
+DEFAULT_FRICTION = 0.5  # of robots whose numbers do not say it
 
 
 # What stands at `meta` under its own name.
@@ -296,6 +309,7 @@ _STATED = (
     "report",
     "violations",
     "tuning",
+    "limits",
     "schedule",
     "obstacle",
     "refinement",
@@ -314,6 +328,7 @@ class _Meta(Meta):
     report: SolveReport
     violations: dict[str, Violation]
     tuning: Tuning
+    limits: Annotated[dict[str, FiniteFloat], Field(max_length=1000)] = Field(default_factory=dict)
     schedule: Annotated[
         Schedule,
         PlainValidator(lambda t: t if isinstance(t, Schedule) else Schedule.from_dict(t)),

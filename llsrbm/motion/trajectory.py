@@ -76,6 +76,7 @@ def description(trajectory: Trajectory) -> dict[str, Any]:
 def _of_plan(plan: Plan) -> dict[str, Any]:
     return {
         "tuning": {"weights": dict(plan.tuning.weights), "limits": dict(plan.tuning.limits)},
+        "limits": dict(plan.limits),
         "solver": asdict(plan.report),
         "violations": {name: asdict(violation) for name, violation in plan.violations.items()},
         "phases": [

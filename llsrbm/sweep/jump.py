@@ -252,10 +252,9 @@ def _forces(plan: Plan, robot: Robot) -> Row:
     tangential = np.hypot(force[..., 0], force[..., 1])
     loaded = force[..., 2] > _LOADED * robot.mass * GRAVITY
     used = float((tangential[loaded] / force[..., 2][loaded]).max()) if loaded.any() else 0.0
-    friction = plan.tuning.limits.get("friction", robot.file.limits.friction)
     return {
         "friction_share": used,
-        "friction_margin": friction - used,
+        "friction_margin": plan.friction - used,
         "peak_force": float(np.linalg.norm(force, axis=-1).max()),
     }
 

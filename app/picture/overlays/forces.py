@@ -14,7 +14,6 @@ from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import INSCRIBED, Array
-from llsrbm.motion.plan import Plan
 
 ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
 
@@ -69,7 +68,7 @@ class FrictionPyramids(Overlay):
 
     def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
         _, planned, _ = picture.motion
-        half = _HEIGHT * INSCRIBED * friction_of(planned.plan)
+        half = _HEIGHT * INSCRIBED * planned.plan.friction
         size = np.array([half, half, _HEIGHT])
         names = self.nodes(gltf.pyramid(colours.FRICTION, 0.35), frames.contact.shape[1])
         return [
@@ -77,12 +76,6 @@ class FrictionPyramids(Overlay):
             Track((name,), frames.pressed_at[:, foot], None, frames.contact[:, foot, None] * size)
             for foot, name in enumerate(names)
         ]
-
-
-def friction_of(plan: Plan) -> float:
-    """The coefficient that a plan was made with: its robot's, or the tuning's."""
-    own = plan.robot_parameters["limits"]["friction"]
-    return float(plan.tuning.limits.get("friction", own))
 
 
 _RADIUS, _THICK = 0.022, 0.02  # m; thickness: stretches a disc of 0.2

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
@@ -75,6 +76,15 @@ def make_task(
     task = place_task(jump, robot, Tuning(weights or {}, limits or {}))
     check_footing(task)
     return task
+
+
+def task_of(plan: Plan, robot: Robot) -> Task:
+    """The task of a plan, under the weights and limits that it was planned under.
+
+    Raises:
+        InputError: see `make_task`.
+    """
+    return make_task(plan.jump, robot, plan.tuning.weights, plan.limits)
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:

@@ -27,7 +27,7 @@ from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import when_idle
 from llsrbm.planning.problem.knots import Knots, Sampled, pack, unpack
 from llsrbm.planning.problem.layout import NOMINAL_PHASES, Layout
-from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.placement import task_of
 from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_points
 from llsrbm.planning.replan.under_way import (
@@ -110,7 +110,7 @@ class Replanner:
         self._robot = robot.turning if jump.turns else robot
         free = free_arms_of(jump, self._robot)
         self._model = make_model(jump.model, self._robot, free_arms=free)
-        task = make_task(jump, self._robot, plan.tuning.weights, plan.tuning.limits)
+        task = task_of(plan, self._robot)
         self._task = relaxed_limits(task)
         self.in_flight = not task.clears
         # And for which time, s on the plan's clock.

@@ -12,7 +12,7 @@ from llsrbm.planning.solve.formulation import (
     CLOSE,
     Attempt,
     Formulation,
-    with_all_time,
+    best_of,
 )
 from llsrbm.planning.solve.progress import Watch
 
@@ -63,4 +63,4 @@ def from_nearby(formulation: Formulation, start: Iterate, task: Task, watch: Wat
         attempts.append(formulation.follow(task, start, watch))
     if not attempts or not attempts[-1].solved:
         attempts.append(formulation.solve(task, start.variables, watch, NEARER))
-    return with_all_time(attempts)
+    return best_of(attempts)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, ClassVar
@@ -26,6 +27,7 @@ from llsrbm.planning.problem.horizon import (
 )
 from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limits import limits_in
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import TOLERANCE, excess, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
@@ -78,15 +80,20 @@ class Attempt:
     label: str = ""
 
     @property
+    def converged(self) -> bool:
+        """True if the solver ended at an optimum of the rows."""
+        return self.solution.converged
+
+    @property
     def solved(self) -> bool:
         """True if the solver converged and the motion satisfies every constraint."""
-        return self.solution.converged and satisfied(self.violations)
+        return self.converged and satisfied(self.violations)
 
     @property
     def broken(self) -> set[str]:
         """Names of the constraints that a solution violates; none unless it converged."""
         names = {name for name, v in self.violations.items() if v.amount > TOLERANCE}
-        return names if self.solution.converged else set()
+        return names if self.converged else set()
 
 
 def corrected(last: Attempt) -> Task:
@@ -95,10 +102,13 @@ def corrected(last: Attempt) -> Task:
     return replace(last.task, correction=correction(last.knots), rolled=rolled)
 
 
-def with_all_time(attempts: list[Attempt]) -> Attempt:
-    """The last attempt, with the time that all of them took."""
-    last, seconds = attempts[-1], sum(attempt.solution.solve_time_s for attempt in attempts)
-    return replace(last, solution=replace(last.solution, solve_time_s=seconds))
+def best_of(attempts: Sequence[Attempt]) -> Attempt:
+    """The attempt that is solved, else of those that converged, else of all the one that violates
+    least; its time is that of all of them.
+    """
+    best = min(attempts, key=lambda a: (not a.solved, not a.converged, excess(a.violations)))
+    seconds = sum(attempt.solution.solve_time_s for attempt in attempts)
+    return replace(best, solution=replace(best.solution, solve_time_s=seconds))
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,8 +119,8 @@ class Formulation:
     model: CentroidalModel
     layout: Layout
     solver: Solver
-    shifts: ClassVar[int] = SHIFTS  # at most, of `agreed`
-    # Constraints that `agreed` may satisfy by solving again with the results of the check.
+    shifts: ClassVar[int] = SHIFTS  # at most, of `reconciled`
+    # Constraints that `reconciled` may satisfy by solving again with the results of the check.
     mended: ClassVar[frozenset[str]] = frozenset(c.name for c in AGREED) | CORRECTED
 
     def problem(self, task: Task) -> Problem:
@@ -145,10 +155,12 @@ class Formulation:
             if last.solved or last.broken <= self.mended:
                 break
             start = last.solution
-        return with_all_time(attempts)
+        return best_of(attempts)
 
-    def agreed(self, attempt: Attempt, watch: Watch, *, hurried: bool = False) -> Attempt:
-        """An attempt solved again until model and whole body agree, where they alone differ.
+    def reconciled(self, attempt: Attempt, watch: Watch, *, hurried: bool = False) -> Attempt:
+        """The best of an attempt and of solves after it, until model and whole body agree.
+
+        It is solved again where the two alone differ.
 
         The legs' maps are a few per cent wrong far from where they were fitted, which a body that
         turns over shows as a dozen degrees: the whole body's angular momentum in the postures found
@@ -166,15 +178,15 @@ class Formulation:
         for _ in range(self.shifts):
             if not last.broken or not last.broken <= self.mended:
                 break
-            task = self.minding(last)
+            task = self.with_shifted_bounds(last)
             near = excess(last.violations) < NEAR_ENOUGH
-            attempts.extend(self.again(task, last.solution, watch, near, hurried=hurried))
+            attempts.append(self.again(task, last.solution, watch, near, hurried=hurried))
             before, last = last, attempts[-1]
             if excess(last.violations) > SHRINKS * excess(before.violations):
                 break
-        return with_all_time(attempts)
+        return best_of(attempts)
 
-    def minding(self, last: Attempt) -> Task:
+    def with_shifted_bounds(self, last: Attempt) -> Task:
         """An attempt's task, with what the whole body says of its motion in the rows' bounds."""
         bounds = {c.name: c.agreed_bounds(last.knots) for c in AGREED}
         task = replace(last.task, agreed_bounds=bounds)
@@ -182,7 +194,7 @@ class Formulation:
             task = corrected(replace(last, task=task))
         return task
 
-    def minding_start(self, task: Task, start: Iterate) -> Task:
+    def with_bounds_of_start(self, task: Task, start: Iterate) -> Task:
         """A task, with what the whole body says of a solution from which solving it begins."""
         there = Solution(
             variables=start.variables,
@@ -194,19 +206,19 @@ class Formulation:
             violation=0.0,
             message="a start",
         )
-        return self.minding(self.judged(task, there))
+        return self.with_shifted_bounds(self.judged(task, there))
 
     def again(
         self, task: Task, last: Iterate, watch: Watch, near: bool = True, *, hurried: bool = False
-    ) -> list[Attempt]:
+    ) -> Attempt:
         """Solve a task whose numbers differ a little from those of a solution's.
 
         `near`: so little that following may do. `hurried`: no more than that is tried then.
         """
         tried = [self.follow(task, last, watch)] if near else []
-        if not tried or not (tried[-1].solution.converged or hurried):
+        if not tried or not (tried[-1].converged or hurried):
             tried.append(self.solve(task, last.variables, watch, CLOSE))
-        return tried
+        return best_of(tried)
 
     def plan(self, attempt: Attempt, attempts: int, solve_time: float, begun: float) -> Plan:
         """The plan of the best of several attempts.
@@ -233,6 +245,7 @@ class Formulation:
         return Plan(
             jump=task.jump,
             tuning=task.tuning,
+            limits={name: value for name, (_, value) in limits_in(task).items()},
             robot_parameters=self.robot.parameters(),
             violations=attempt.violations,
             base_mass=knots.model.base_mass,

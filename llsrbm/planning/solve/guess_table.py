@@ -358,7 +358,7 @@ def _check(path: Path, table: GuessTable, formulation: Formulation) -> None:
     task = make_task(jump, robot)
     stale = STALE_ROWS
     if task.jump.turns:
-        task, stale = formulation.minding_start(task, first), STALE_TURNING
+        task, stale = formulation.with_bounds_of_start(task, first), STALE_TURNING
     problem = formulation.problem(task)
     w = first.variables
     cost = float(formulation.solver.function("nlp_f")(w, problem.parameters))

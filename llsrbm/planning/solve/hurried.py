@@ -39,7 +39,7 @@ MINDED_TURNING = 3
 TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
-def minding_near(formulation: Formulation, task: Task, jump: Jump, solution: Iterate) -> Task:
+def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solution: Iterate) -> Task:
     """A task, with what the whole body says of the solution of a jump nearby in its bounds.
 
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
@@ -47,7 +47,7 @@ def minding_near(formulation: Formulation, task: Task, jump: Jump, solution: Ite
     """
     minded = placed(task, jump)
     for _ in range(MINDED_TURNING if jump.turns else 1):
-        minded = formulation.minding_start(minded, solution)
+        minded = formulation.with_bounds_of_start(minded, solution)
     return replace(
         task,
         agreed_bounds=minded.agreed_bounds,
@@ -75,7 +75,7 @@ def find_roughly(
         close = formulation.solver.miss(formulation.problem(task), start) < NEARBY_MISS
         way = replace(formulation, penalty=penalty)
         elastic = way.solve(task, start, watch, FROM_NEARBY if close else options)
-        if elastic.solution.converged:
+        if elastic.converged:
             return _first_that_stands(way, elastic, watch)
     return None
 
@@ -85,7 +85,9 @@ def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) 
         for plain in (as_request(way, elastic), as_it_is(way, elastic)):
             if plain.solved and stands(plain.task):
                 return Nearest(plain, elastic, way)
-        elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, AGAIN)
-        if not elastic.solution.converged:
+        elastic = way.solve(
+            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, AGAIN
+        )
+        if not elastic.converged:
             break
     return None

@@ -99,9 +99,9 @@ class ElasticFormulation(Formulation):
 
     def again(
         self, task: Task, last: Iterate, watch: Watch, near: bool = True, *, hurried: bool = False
-    ) -> list[Attempt]:
+    ) -> Attempt:
         """Not followed: what is given up changes too much for that."""
-        return [self.solve(task, last.variables, watch, AGAIN)]
+        return self.solve(task, last.variables, watch, AGAIN)
 
     def done(self, task: Task, variables: Array) -> Jump:
         """The jump that a solution does."""
@@ -183,22 +183,27 @@ def find_nearest(
     for start, options, penalty in starts(formulation, task, begun):
         way = replace(formulation, penalty=penalty)
         elastic = way.solve(task, start, watch, options)
-        if elastic.solution.converged:
+        if elastic.converged:
             break
     else:
         return None
+    first = None
     if not _given_up(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
-        plain = _made_round(way, elastic, watch)
-        if plain is not None and plain.task.jump == task.jump:
-            return Nearest(plain, elastic, way)
-    for dearer, first in reversed([*_dearer(way, elastic, watch)]):
-        agreed = dearer.agreed(first, watch)
-        plain = _made_round(dearer, agreed, watch)
+        first = _made_round(way, elastic, watch)
+        if first is not None and first.task.jump == task.jump:
+            return Nearest(first, elastic, way)
+    found = [] if first is None else [Nearest(first, elastic, way)]
+    for dearer, attempt in reversed([*_dearer(way, elastic, watch)]):
+        reconciled = dearer.reconciled(attempt, watch)
+        plain = _made_round(dearer, reconciled, watch)
         if plain is not None:
-            return Nearest(plain, agreed, dearer)
-    # Edges come and go with the jump; the first solution met those that it knew.
-    plain = _made_round(way, elastic, watch)
-    return None if plain is None else Nearest(plain, elastic, way)
+            found.append(Nearest(plain, reconciled, dearer))
+            break
+    if not found:
+        # Edges come and go with the jump; the first solution met those that it knew.
+        plain = _made_round(way, elastic, watch)
+        found = [] if plain is None else [Nearest(plain, elastic, way)]
+    return min(found, key=lambda each: distance(task, each.plain.task.jump), default=None)
 
 
 def _dearer(
@@ -211,8 +216,10 @@ def _dearer(
     yield way, elastic
     for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
         way = replace(way, penalty=penalty)
-        elastic = way.solve(way.minding(elastic), elastic.solution.variables, watch, DEARER)
-        if not elastic.solution.converged:
+        elastic = way.solve(
+            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, DEARER
+        )
+        if not elastic.converged:
             return
         yield way, elastic
 
@@ -239,12 +246,12 @@ def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch)
     if whole.task.jump == elastic.task.wanted and whole.solved and stands(whole.task):
         return whole
     start = formulation.plainly(elastic.task, elastic.solution)
-    minded = formulation.minding(elastic) if elastic.broken else elastic.task
+    minded = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
     further = FURTHER[: 1 if all_right else None]
-    for jump in _rounded(elastic.task, further) if elastic.solution.converged else ():
+    for jump in _rounded(elastic.task, further) if elastic.converged else ():
         task = replace(placed(minded, jump), wanted=None)
-        attempt = plain.agreed(plain.again(task, start, watch)[-1], watch)
+        attempt = plain.reconciled(plain.again(task, start, watch), watch)
         if attempt.solved and stands(attempt.task):
             return attempt
     return as_it_is(formulation, elastic) if all_right else None

@@ -21,16 +21,16 @@ from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.problem.violations import excess
 from llsrbm.planning.solve.attempts import from_nearby, usable_start
 from llsrbm.planning.solve.formulation import (
     Array,
     Attempt,
     Formulation,
+    best_of,
     solve_options,
 )
 from llsrbm.planning.solve.guess_table import Guesses
-from llsrbm.planning.solve.hurried import find_roughly, minding_near
+from llsrbm.planning.solve.hurried import find_roughly, with_bounds_nearby
 from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.reasons import refusal, unexplained
@@ -48,6 +48,7 @@ MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes t
 FOLLOWED = "from the last plan"
 NEARBY = "from solutions nearby"
 BY_NEARER = "by way of nearer jumps"
+NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
 # From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
 # ten are planned by then, of other robots' 98 in 100.
 HURRIED = replace(solvers.PATIENT, iterations=35)
@@ -185,7 +186,7 @@ class Planner:
         tried: list[Attempt] = []
         for label, solve in self._attempts(task, near, guesses, looks, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
-            tried.append(replace(self.formulation.agreed(solve(), watch), label=label))
+            tried.append(replace(self.formulation.reconciled(solve(), watch), label=label))
             if tried[-1].solved:
                 return tried, None
             _log.info("attempt %d, %s, failed", len(tried), label)
@@ -203,9 +204,9 @@ class Planner:
         form, tried = self.formulation, list[Attempt]()
         start = usable_start(near, form)
         watch.begin(f"attempt 1: {FOLLOWED}")
-        minded = minding_near(form, task, near.jump, start)
+        minded = with_bounds_nearby(form, task, near.jump, start)
         if not near.is_nearest:
-            attempt = form.agreed(form.follow(minded, start, watch), watch, hurried=True)
+            attempt = form.reconciled(form.follow(minded, start, watch), watch, hurried=True)
             if attempt.solved:
                 return [replace(attempt, label=FOLLOWED)], None
             tried = [attempt]
@@ -225,9 +226,10 @@ class Planner:
         watch: Watch,
     ) -> Plan:
         """The plan of the request, or what is known instead."""
-        done = [attempt for attempt in tried if attempt.task.jump == task.jump] or tried
-        best = min(done, key=lambda attempt: (not attempt.solved, excess(attempt.violations)))
-        whole = best.solved and best.task.jump == task.jump
+        at_request = [attempt for attempt in tried if attempt.task.jump == task.jump]
+        if nearest is not None and not at_request:
+            at_request = [self._not_tried(task, nearest.plain)]
+        best, whole = best_of(at_request), any(attempt.solved for attempt in at_request)
         self.last = best if whole else None
         seconds = sum(attempt.solution.solve_time_s for attempt in tried)
         plan = self.formulation.plan(best, len(tried), seconds, start)
@@ -237,6 +239,11 @@ class Planner:
             raise unexplained(task, best, plan)
         less = self.formulation.plan(tried[-1], len(tried), seconds, start)
         raise refusal(nearest, task, plan, less, explains, watch)
+
+    def _not_tried(self, task: Task, plain: Attempt) -> Attempt:
+        """The motion of the nearest jump, as what it is of a request that was not tried."""
+        there = replace(plain.solution, converged=False, iterations=0, solve_time_s=0.0)
+        return replace(self.formulation.judged(task, there), label=NOT_TRIED)
 
     def _has_nearest(self, task: Task) -> bool:
         """Whether less of a request can be asked for, see `solve.nearest`."""
@@ -310,7 +317,7 @@ class Planner:
         model alone: without what the whole body says of the solution nearby that one is none.
         """
         if task.jump.turns:
-            task = minding_near(self.formulation, task, jump, start)
+            task = with_bounds_nearby(self.formulation, task, jump, start)
         return from_nearby(self.formulation, start, task, watch)
 
     def last_knots(self) -> Knots:

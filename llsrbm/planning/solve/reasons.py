@@ -171,7 +171,7 @@ def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
             return None
         value += step
         free = _free(nearest, gain, value, watch)
-        if not free.solution.converged:
+        if not free.converged:
             return None
         if (left := _missing(free)) < NOTHING:
             return _demand(gain, value, free)

@@ -11,7 +11,7 @@ from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities
 from llsrbm.mechanics import apply, rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.placement import task_of
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import LIMITS, NODES, SAME_INSTANT, Grid, Sizes
 from llsrbm.request.scenario import Scenario
@@ -58,7 +58,7 @@ class Start:
 
 def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     """A plan as the second stage begins from it."""
-    limits = make_task(plan.jump, robot, plan.tuning.weights, plan.tuning.limits).limits
+    limits = task_of(plan, robot).limits
     assert plan.joint_velocity is not None  # a plan that converged has it
     order = [plan.joint_names.index(name) for name in robot.joint_names]
     time, known = grid.times(plan), plan.time

@@ -9,6 +9,13 @@ import llsrbm
 from llsrbm import cli
 from llsrbm.certificate import CHECKS
 from llsrbm.certificate.sampled_motion import SampledMotion
+from llsrbm.control.controller import WholeBodyController
+from llsrbm.installed import assets_directory
+from llsrbm.mechanics import INSCRIBED
+from llsrbm.planning.problem.placement import limits_of, task_of
+from llsrbm.request.scenario import Scenario
+from llsrbm.robots import load_robot
+from llsrbm.sweep.jump import _forces
 
 FIELDS = {"worst", "limit", "unit", "where", "time_s", "holds", "allowed", "why", "beyond_s"}
 
@@ -35,6 +42,39 @@ def test_a_plan_is_certified_by_one_call(plan):
     assert all(set(found) == FIELDS for found in certificate.as_dict().values())
     with pytest.raises(llsrbm.InputError, match="friction"):
         certificate["frictoin"]
+
+
+def slippery(folder):
+    """A jump type of one's own, for a floor of ice, for legs that are not to be stretched."""
+    path = folder / "ice.toml"
+    text = (assets_directory() / "jump_types" / "together.toml").read_text()
+    path.write_text(f"{text}\n[limits]\nfriction = 0.2\nreach_max = 0.33\n")
+    return path
+
+
+def test_a_plan_is_judged_by_the_limits_that_it_was_planned_under(tmp_path, capfd):
+    """Whoever says them, from the file alone, and by all who ask: the type's file is gone."""
+    path, robot = slippery(tmp_path), load_robot("go2")
+    jump = llsrbm.Jump(robot="go2", type=str(path), forward=0.05)
+    plan = llsrbm.plan(jump, limits={"clearance": 0.05}, explains=False)
+    force = plan.contact_force[plan.contact_force[..., 2] > 1.0]
+    assert (np.abs(force[:, 0]) <= 0.2 * force[:, 2] + 1e-3).all()
+    saved = tmp_path / "plan.npz"
+    plan.save(saved)
+    again = llsrbm.load(saved)
+    for known in (plan, again):
+        for name, value in (("friction", 0.2), ("reach_max", 0.33), ("clearance", 0.05)):
+            assert known.limits[name] == value
+        assert set(known.limits) == set(limits_of(robot))
+        assert llsrbm.certify(known)["friction"].limit == 0.2
+        faces = WholeBodyController(robot, known, Scenario())._dynamics._faces
+        assert faces[0, 2] == pytest.approx(-0.2 * INSCRIBED)
+        assert _forces(known, robot)["friction_margin"] <= 0.2
+    cli.main(["check", str(saved), "--json"])
+    assert json.loads(capfd.readouterr().out)["certificate"]["friction"]["limit"] == 0.2
+    path.write_text(path.read_text().replace("0.2", "0.4").replace("0.33", "0.34"))
+    task = task_of(again, robot)
+    assert (task.limits.friction, task.reach.distance[1]) == (0.2, 0.33)
 
 
 def test_a_foreign_motion_has_no_forces_and_says_so(plan, tmp_path, capfd):

@@ -2,6 +2,7 @@
 
 import threading
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,11 +10,16 @@ import pytest
 import llsrbm
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.motion.sampling import resample
-from llsrbm.motion.solve_report import Refinement
+from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.ocp import progress, solvers
+from llsrbm.ocp.horizon import Solution
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
+from llsrbm.planning.solve import nearest
+from llsrbm.planning.solve.attempts import from_nearby
+from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
-from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.solve.progress import PlanningProgress, Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import REQUESTS, solved
@@ -105,6 +111,58 @@ def made_reluctant(planner, failures):
     solver = Reluctant(planner.formulation.solver, failures)
     planner.formulation = replace(planner.formulation, solver=solver)
     return solver
+
+
+def attempt_of(converged, torque, jump=None):
+    """One that needs `torque` Nm too much."""
+    found = {"joint_torque": Violation(torque, "Nm", "flight", 0.5)}
+    solution = Solution(np.zeros(1), np.zeros(1), converged, 7, 0.0, 1.0, 0.0, "")
+    return Attempt(SimpleNamespace(jump=jump, correction=None), solution, None, found)
+
+
+DIVERGED, WORSE, LITTLE = (False, 400.0), (True, 2.0), (True, 0.3)
+
+
+@pytest.mark.parametrize("later", [[DIVERGED], [WORSE, DIVERGED], [(False, 0.01)], [(True, 1.9)]])
+def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
+    """In all three places where a solve follows another one; time is that of all."""
+    form, first = planner.formulation, attempt_of(*LITTLE)
+    solves = iter([attempt_of(*each) for each in later] * 3)
+    monkeypatch.setattr(Formulation, "with_shifted_bounds", lambda *_: None)
+    monkeypatch.setattr(Formulation, "again", lambda *_, **__: next(solves))
+    kept = form.reconciled(first, Watch())
+    assert kept.violations == first.violations
+    assert kept.converged
+    assert kept.solution.solve_time_s > 1.0
+
+    judged = iter([first, attempt_of(*later[0])])
+    monkeypatch.setattr(Formulation, "problem", lambda *_: None)
+    monkeypatch.setattr(Formulation, "judged", lambda *_: next(judged))
+    monkeypatch.setattr(Formulation, "mended", frozenset())
+    monkeypatch.setattr(Watch, "over", lambda *_: None)
+    kept = form.follow(None, None, Watch())
+    assert kept.violations == first.violations
+    assert kept.solution.solve_time_s == 2.0
+
+    monkeypatch.setattr(form.solver, "miss", lambda *_: 0.0)
+    monkeypatch.setattr(Formulation, "follow", lambda *_: first)
+    monkeypatch.setattr(Formulation, "solve", lambda *_: attempt_of(*later[0]))
+    kept = from_nearby(form, first.solution, None, Watch())
+    assert kept.violations == first.violations
+
+
+def test_the_nearest_that_was_found_first_is_not_dropped_for_a_further_one(monkeypatch):
+    asked, little, much = (Jump(twist=twist) for twist in (1.0, 0.9, 0.4))
+    task = replace(make_task(asked, ROBOT), wanted=asked)
+    way, elastic = SimpleNamespace(), attempt_of(*LITTLE)
+    way.solve, way.penalty, way.reconciled = lambda *_: elastic, 1.0, lambda attempt, _: attempt
+    rounds = iter([attempt_of(True, 0.0, little), attempt_of(True, 0.0, much)])
+    monkeypatch.setattr(nearest, "replace", lambda *_, **__: way)
+    monkeypatch.setattr(nearest, "starts", lambda *_: [(None, None, 1.0)])
+    monkeypatch.setattr(nearest, "_given_up", lambda *_: False)
+    monkeypatch.setattr(nearest, "_made_round", lambda *_: next(rounds))
+    monkeypatch.setattr(nearest, "_dearer", lambda *_: [(way, attempt_of(*LITTLE))])
+    assert nearest.find_nearest(way, task, Watch()).plain.task.jump == little
 
 
 def test_an_attempt_is_told(planner):

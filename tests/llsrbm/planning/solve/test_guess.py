@@ -158,7 +158,7 @@ def test_a_flip_is_found_from_other_flight_times(share):
     form = planner_of(jump).formulation
     task, watch = make_task(jump, form.robot), Watch(None, None)
     guess = form.guess(task, share * FLIP_FLIGHT)
-    assert form.agreed(form.solve(task, guess, watch, solve_options(task)), watch).solved
+    assert form.reconciled(form.solve(task, guess, watch, solve_options(task)), watch).solved
 
 
 def test_mirrored_requests_have_mirrored_guesses():

@@ -10,7 +10,7 @@ import llsrbm
 from llsrbm.errors import NotConverged
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve.hurried import find_roughly, minding_near
+from llsrbm.planning.solve.hurried import find_roughly, with_bounds_nearby
 from llsrbm.planning.solve.nearest import distance
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.planning.solve.progress import Watch
@@ -86,7 +86,7 @@ def test_what_the_body_said_nearby_is_in_the_bounds():
     limit = answer(replace(START, twist=math.radians(170)))
     form = planner_for("anymal", START.model).formulation
     task = make_task(replace(limit.jump, lateral=0.01), ANYMAL, None, LIMITS)
-    minded = minding_near(form, task, limit.jump, limit.solution)
+    minded = with_bounds_nearby(form, task, limit.jump, limit.solution)
     assert minded.jump == task.jump
     without, with_it = (
         excess(form.follow(each, limit.solution, Watch()).violations) for each in (task, minded)

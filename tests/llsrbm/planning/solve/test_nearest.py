@@ -87,8 +87,14 @@ def test_in_a_hurry_limits_are_named_without_amounts():
 def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
     shown = refused().nearest
     assert shown.is_nearest
-    further = refusal(replace(FAR, twist=math.radians(175)), near=shown, explains=False).nearest
-    assert further.solved
+    more = replace(FAR, twist=math.radians(175))
+    for hurried in (False, True):
+        error = refusal(more, near=shown, explains=False, hurried=hurried)
+        # What was not tried is not solved, and of what was asked.
+        assert (error.plan.report.status, error.plan.jump) == ("not-converged", more)
+        assert max(v.amount for v in error.plan.violations.values()) > TOLERANCE
+        assert error.nearest.solved
+    further = refusal(more, near=shown, explains=False).nearest
     assert further.jump.twist == pytest.approx(shown.jump.twist, abs=math.radians(8))
     # What is shown can be asked for; the check of the whole body may cost it two degrees.
     try:
