@@ -1,8 +1,10 @@
 # Two commands do everything on a fresh machine with Python >= 3.11:
 #   make app     sets up .venv, serves the designer, prints its address (with the token that opens it)
 #                and opens it where there is a display; LLSRBM_TOKEN=... make app takes a token
-#   make test    sets up .venv and a browser, then runs every test
-# Others: make check (style and types), make bench (solve times; AGAINST=commit compares with an
+#   make test    sets up .venv and a browser, then runs the tests
+# Others: make test-all (also the tests that are marked `nightly`: sweeps whose processes are killed,
+# the documentation's site), make durations (all, and keeps how long each file takes, which orders
+# later runs), make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may
 # be asked, planned and simulated), make paper (the paper's results into docs/paper.md), make peers
 # (other planners on the same jumps into docs/peers.md), make docs (the documentation as a site, in
@@ -18,6 +20,7 @@ PORT   ?= 8080
 
 # Two processes: the tests wait as much as they work. `make test PROCESSES=` takes one.
 PROCESSES ?= -n 2 --dist loadscope
+PYTEST    = $(BIN)/python -m pytest $(PROCESSES)
 
 BIN    := $(VENV)/bin
 PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
@@ -26,16 +29,24 @@ PIP    := $(BIN)/python -m pip install --disable-pip-version-check --quiet
 APP_STAMP := $(VENV)/.llsrbm-app
 DEV_STAMP := $(VENV)/.llsrbm-dev
 
-.PHONY: app test check format bench range paper peers docs lock clean setup
+.PHONY: app test test-all durations check format bench range paper peers docs lock clean setup drawn
 .DEFAULT_GOAL := app
 
 app: $(APP_STAMP)
 	exec $(BIN)/llsrbm serve --host $(HOST) --port $(PORT)
 
-test: $(DEV_STAMP)
+test: $(DEV_STAMP) drawn
+	$(PYTEST) -m "not nightly" $(PYTEST_ARGS)
+
+test-all: $(DEV_STAMP) drawn
+	$(PYTEST) $(PYTEST_ARGS)
+
+durations: $(DEV_STAMP) drawn
+	$(PYTEST) --record-durations $(PYTEST_ARGS)
+
+drawn: $(DEV_STAMP)
 	.ci/browser $(BIN)/python
 	.ci/drawing $(BIN)/python || true
-	$(BIN)/python -m pytest $(PROCESSES) $(PYTEST_ARGS)
 
 check: $(DEV_STAMP)
 	$(BIN)/ruff format --check .

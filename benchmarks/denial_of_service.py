@@ -15,25 +15,20 @@ import contextlib
 import http.client
 import math
 import multiprocessing
-import os
-import re
 import struct
-import subprocess
 import sys
-import threading
 import time
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import viser
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
+from benchmarks.served import resident, serving, wait_until_ready
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from tests.app.raw_tab import RawTab
 
-PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0", "--no-browser"]
 ANSWER = 1.0  # s
 ENTER, PLAN = 10.0, 30.0  # s for a new visitor on a busy machine; the planning itself is slowed
 MEMORY = 100.0  # MB
@@ -192,22 +187,13 @@ def guesses(page):
     yield
 
 
-def resident(pid):
-    """Memory of a process, MB."""
-    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
-
-
 def main():
-    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        page = Page(re.search(r"http://\S+", server.stdout.readline()).group())
-        while server.stderr.readline() not in ("ready\n", ""):
-            pass  # solvers are built on a machine's first start
-        threading.Thread(target=server.stderr.read, daemon=True).start()
+    with serving() as (server, url):
+        page = Page(url)
+        wait_until_ready(server)
         visit(page, 20)
         visit(page, 25)
-        before, failed = resident(server.pid), False
+        before, failed = resident(server.pid)[0], False
         attacks = (long_readings, large_attributes, empty_uploads, silent_sockets, guesses)
         for number, attack in enumerate(attacks):
             print(attack.__doc__, flush=True)
@@ -224,12 +210,9 @@ def main():
             print(f"  others answered within {slowest:.2f} s; a new visitor {outcome}", flush=True)
             for fault in faults[:3]:
                 print(f"  {fault}")
-        grown = resident(server.pid) - before
+        grown = resident(server.pid)[0] - before
         print(f"memory of the server grew by {grown:.0f} MB")
         return 1 if failed or grown > MEMORY else 0
-    finally:
-        server.terminate()
-        server.wait(20)
 
 
 if __name__ == "__main__":

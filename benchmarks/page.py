@@ -12,17 +12,14 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
-import re
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.served import resident, serving, wait_until_ready
 from tests.app.chromium import PACE, VIEW, chromium, number, status
 
-PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0"]
 STEP = 0.1  # s between steps of the dragged slider
 REACH = 30  # pixels that the hand goes to either side
 PERIOD = 10.0  # s, there and back
@@ -86,17 +83,6 @@ def processor_time(pid):
     """Of a process without its children, s."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def resident(pid):
-    """Memory of a process and its children, MB."""
-    listed = subprocess.run(
-        ["ps", "-o", "rss=", "--ppid", str(pid), "-p", str(pid)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    return sum(int(line) for line in listed.stdout.split()) / 1024
 
 
 def to_and_fro(reach):
@@ -221,12 +207,9 @@ def main():
     parser.add_argument("--others", action="store_true", help="drag the other sliders, too")
     options = parser.parse_args()
     began = time.monotonic()
-    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        url = re.search(r"http://\S+", server.stdout.readline()).group()
+    with serving() as (server, url):
         print(f"start to a page that answers     {time.monotonic() - began:6.2f} s")
-        while server.stderr.readline() != "ready\n":
-            pass
+        wait_until_ready(server)
         print(f"start to everything ready        {time.monotonic() - began:6.2f} s")
         with chromium() as browser:
             firsts = []
@@ -278,10 +261,7 @@ def main():
             rate = 1000 * (end[1] - start[1]) / (end[0] - start[0])
             print(f"playing with a simulation        {rate:6.1f} frames/s")
             verdicts(page)
-        print(f"memory, server and processes     {resident(server.pid):6.0f} MB")
-    finally:
-        server.terminate()
-        server.communicate()
+        print(f"memory, server and processes     {sum(resident(server.pid)):6.0f} MB")
 
 
 if __name__ == "__main__":

@@ -8,14 +8,13 @@ from __future__ import annotations
 import argparse
 import io
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import Browser, Page
 
-from benchmarks.page import PROGRAM
+from benchmarks.served import serving, wait_until_ready
 from tests.app.chromium import PACE, VIEW, chromium, fill, status, unfold
 from tests.app.labels import labels
 
@@ -37,19 +36,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", choices=[[], *STATES])
     names = parser.parse_args().names or list(STATES)
-    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, text=True)
-    try:
-        assert server.stdout is not None
-        lines = iter(server.stdout.readline, "")
-        address = next(word for line in lines for word in line.split() if word.startswith("http"))
-        with chromium() as browser:
-            for name in names:
-                take(browser, address, name)
-            if names == list(STATES):
-                record(browser, address)
-    finally:
-        server.terminate()
-        server.wait()
+    with serving() as (server, address), chromium() as browser:
+        wait_until_ready(server)
+        for name in names:
+            take(browser, address, name)
+        if names == list(STATES):
+            record(browser, address)
 
 
 def take(browser: Browser, address: str, name: str) -> None:

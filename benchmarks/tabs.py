@@ -13,17 +13,17 @@ import io
 import json
 import math
 import re
-import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
+from urllib.parse import urlsplit
 
 import numpy as np
 
+from benchmarks.served import resident, serving, wait_until_ready
 from tests.app.raw_tab import RawTab
 
-PROGRAM = [sys.executable, "-m", "llsrbm.cli", "serve", "--port", "0", "--token", "none"]
 TABS, DRAGGING, DRAG_SECONDS = 20, 10, 10.0
 BURST, STEP_SECONDS = 30, 0.05  # values of the drag at the end, and the time between two
 PATIENCE = 20.0  # s for the last plan to come
@@ -118,18 +118,6 @@ def share(port):
     return not wrong
 
 
-def resident(pid):
-    """Memory of a process, and of its children together, MB."""
-    listed = subprocess.run(
-        ["ps", "-o", "pid=,rss=", "--ppid", str(pid), "-p", str(pid)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    sizes = {int(p): int(rss) / 1024 for p, rss in map(str.split, listed.stdout.splitlines())}
-    return sizes.pop(pid), sum(sizes.values())
-
-
 def open_and_close(port, pid):
     print("tabs opened and closed    server MB    its processes MB    threads")
     for opened in range(OPENED + 1):
@@ -144,18 +132,11 @@ def open_and_close(port, pid):
 
 
 def main():
-    server = subprocess.Popen(PROGRAM, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        port = int(re.search(r":(\d+)$", server.stdout.readline().strip()).group(1))
-        while server.stderr.readline() != "ready\n":
-            pass
-        drain = threading.Thread(target=server.stderr.read, daemon=True)
-        drain.start()
+    with serving("--token", "none") as (server, url):
+        port = urlsplit(url).port
+        wait_until_ready(server)
         fine = share(port)
         open_and_close(port, server.pid)
-    finally:
-        server.terminate()
-        server.wait()
     return 0 if fine else 1
 
 

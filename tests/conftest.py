@@ -1,7 +1,11 @@
-"""One browser a process, and in which order tests run."""
+"""One browser a process; in which order, and on which process, the files run."""
 
+import asyncio
+import json
 import os
-from collections import Counter
+import time
+from collections import defaultdict
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -14,39 +18,130 @@ os.environ["LLSRBM_COMPILE"] = "0"
 settings.register_profile("patient", deadline=None, max_examples=50)
 settings.load_profile("patient")
 
+# File -> seconds, and what it uses that takes a process long to make: the browser, solvers.
+DURATIONS = Path(__file__).with_name("durations.json")
+BROWSER = "browser"
+
+
+def pytest_addoption(parser):
+    parser.addoption(
+        "--record-durations",
+        action="store_true",
+        help="keep how long each file takes and what it uses, which orders later runs",
+    )
+
+
+def pytest_configure(config):
+    if config.getoption("record_durations"):
+        config.pluginmanager.register(Recorder(), "durations")
+
 
 def pytest_collection_modifyitems(items):
-    """Files with many tests first, those that drive the browser last, and their other tests first.
+    """Files that drive the browser first, then the longest.
 
-    Playwright leaves an event loop in the thread. What a browser on a busy machine has missed is
-    tried once more, on a page brought back to its beginning; the closing line counts it.
+    What a browser on a busy machine has missed is tried once more, on a page brought back to its
+    beginning; the closing line counts it.
     """
-    browser = {item: item.get_closest_marker("browser") is not None for item in items}
-    for item in items:
-        if browser[item]:
-            item.add_marker(pytest.mark.flaky(reruns=1))
-    tests, driving = Counter(item.path for item in items), Counter()
-    for item in items:
-        driving[item.path] += browser[item]
+    durations = _durations()
 
     def rank(item):
-        share = driving[item.path] / tests[item.path]
-        return bool(share), share, -tests[item.path], item.path, browser[item]
+        name = _file(item.nodeid)
+        seconds, uses = durations.get(name, (0.0, ()))
+        return BROWSER not in uses, -seconds, name
 
     items.sort(key=rank)
+    for item in items:
+        if item.get_closest_marker(BROWSER) is not None:
+            item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+def _file(nodeid):
+    return nodeid.partition("::")[0]
+
+
+def _durations():
+    return json.loads(DURATIONS.read_text("utf-8"))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """Playwright's event loop counts as running in this thread, even while it does not."""
+    loop = asyncio._get_running_loop()
+    if item.get_closest_marker(BROWSER) is None:
+        asyncio._set_running_loop(None)
+    try:
+        return (yield)
+    finally:
+        asyncio._set_running_loop(loop)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """With several processes, the next free one takes the next file, in the order from above."""
+    """A free process takes the longest file that uses nothing which only others have made."""
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduler(LoadScopeScheduling):
+        def __init__(self, config, log):
+            super().__init__(config, log)
+            self.uses = defaultdict(set, {name: set(u) for name, (_, u) in _durations().items()})
+            self.made = defaultdict(set)  # process -> what it has
+
         def _split_scope(self, nodeid):
-            return nodeid.partition("::")[0]
+            return _file(nodeid)
+
+        def _assign_work_unit(self, node):
+            others = set().union(*(made for other, made in self.made.items() if other != node))
+            others -= self.made[node]
+            chosen = min(self.workqueue, key=lambda name: len(self.uses[name] & others))
+            self.workqueue.move_to_end(chosen, last=False)
+            self.made[node] |= self.uses[chosen]
+            super()._assign_work_unit(node)
 
     config.option.loadscopereorder = False
     return Scheduler(config, log)
+
+
+class Recorder:
+    """Times the files and notes what they use; of several processes the first one writes."""
+
+    def __init__(self):
+        self.seconds, self.uses = defaultdict(float), defaultdict(set)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item):
+        from llsrbm.planning.solve import solver_cache
+
+        name, entry = _file(item.nodeid), solver_cache._entry
+
+        def noted(kind, subject):
+            self.uses[name].add(f"{kind.name} {subject.of} {subject.variant}")
+            return entry(kind, subject)
+
+        if item.get_closest_marker(BROWSER) is not None:
+            self.uses[name].add(BROWSER)
+        began = time.perf_counter()
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(solver_cache, "_entry", noted)
+            result = yield
+        self.seconds[name] += time.perf_counter() - began
+        return result
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node):
+        for name, (seconds, uses) in node.workeroutput["durations"].items():
+            self.seconds[name] += seconds
+            self.uses[name].update(uses)
+
+    def pytest_sessionfinish(self, session):
+        found = {name: (round(s, 1), sorted(self.uses[name])) for name, s in self.seconds.items()}
+        if hasattr(session.config, "workeroutput"):
+            session.config.workeroutput["durations"] = found
+            return
+        root = session.config.rootpath
+        kept = {name: each for name, each in _durations().items() if (root / name).exists()}
+        every = sorted((kept | found).items())
+        lines = (f"  {json.dumps(name)}: {json.dumps(each)}" for name, each in every)
+        DURATIONS.write_text("{\n" + ",\n".join(lines) + "\n}\n", "utf-8")
 
 
 @pytest.fixture(scope="session")

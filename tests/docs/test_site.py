@@ -12,6 +12,8 @@ from llsrbm.request import jump_types
 from llsrbm.robots import names
 from tests.docs.pages import ROOT
 
+pytestmark = pytest.mark.nightly  # half a minute to build
+
 ELSEWHERE = re.compile(r"""<(?:script|link|img|iframe)\b[^>]*?(?:src|href)=["']?(?:https?:)?//""")
 
 

@@ -91,6 +91,7 @@ def deadly(spec, point, limit):
     return [{**jump.request_of(point), "index": point.number, "status": "planned"}]
 
 
+@pytest.mark.nightly
 def test_a_jump_that_kills_workers_is_a_row_and_the_others_are_planned(tmp_path, monkeypatch):
     monkeypatch.setattr(run, "_DEATHS", 0)
     monkeypatch.setattr(run, "_UNDER_WAY", 1)
@@ -104,6 +105,7 @@ def test_a_jump_that_kills_workers_is_a_row_and_the_others_are_planned(tmp_path,
     assert sum(row["status"] == "planned" for row in found) == 39
 
 
+@pytest.mark.nightly
 def test_a_scheduler_that_does_not_answer_is_one_line(monkeypatch):
     monkeypatch.setattr(run, "_ANSWER_TIME", 0.3)
     with socket.socket() as silent:
@@ -137,6 +139,7 @@ def scheduler(tmp_path):
         process.wait()
 
 
+@pytest.mark.nightly
 def test_a_scheduler_that_dies_is_one_line(tmp_path, scheduler, monkeypatch):
     monkeypatch.setattr(run, "_ANSWER_TIME", 3.0)
     process, address = scheduler
