@@ -1,7 +1,8 @@
 """npz and zip archives from anybody: read within limits of memory and time, nothing is run.
 
-Sizes are limited before anything is unpacked, an array's header has to agree with the bytes behind
-it, pickles are refused, and each array is checked against the `Quantity` that describes it.
+Sizes are limited before anything is unpacked, by what an array will take as numbers of eight bytes
+whatever the file stores; an array's header has to agree with the bytes behind it, pickles are
+refused, and each array is checked against the `Quantity` that describes it.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import zipfile
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,7 @@ from llsrbm.files.quantity import (
     LEG,
     POSITION,
     SIZES,
+    TIME,
     VELOCITY,
     WXYZ,
     Between,
@@ -41,7 +43,8 @@ Arrays = dict[str, NDArray[Any]]
 NATIVE = "expected an npz file that `--out`, `Plan.save` or `Rollout.save` wrote"
 
 # Far above any trajectory (1 MB for two seconds at 400 Hz), far below a machine's memory.
-LARGEST = 256 * 1024**2  # bytes, of a file and unpacked
+LARGEST = 64 * 1024**2  # bytes, of a file, unpacked, and of its arrays as they are used
+_NUMBER = 8  # bytes: numbers are used as float64 or int64
 _LARGEST_DIRECTORY = 1024**2  # bytes at the end of an archive: some ten thousand names
 _LONGEST_COMMENT = 2**16
 _LONGEST_HEADER = 1000  # bytes of an array's
@@ -70,6 +73,7 @@ class Archive:
     def __init__(self, file: BinaryIO, where: str, expected: str, largest: int) -> None:
         _check_end(file, where, expected, largest)
         self._zip, self._where, self._expected = zipfile.ZipFile(file), where, expected
+        self._largest = largest
         self._members: dict[str, zipfile.ZipInfo] = {}
         size = 0
         for member in self._zip.infolist():
@@ -106,17 +110,29 @@ class Archive:
 
     def arrays(self, only: Iterable[str] | None = None) -> Arrays:
         """The arrays, or those of the keys `only` that are there; read-only."""
-        wanted = self.keys if only is None else self.keys & frozenset(only)
-        return {
-            key: _array(self.content(f"{key}.npy"), f'{self._where}: key "{printable(key)}"')
-            for key in sorted(wanted)
-        }
+        wanted = sorted(self.keys if only is None else self.keys & frozenset(only))
+        result: Arrays = {}
+        left = self._largest
+        for key in wanted:
+            member, where = self._members[f"{key}.npy"], f'{self._where}: key "{printable(key)}"'
+            with self._zip.open(member) as opened:
+                head = opened.read(_LONGEST_HEADER + 16)
+                shape, dtype, order, begin = _header(head, member.file_size, where)
+                left -= math.prod(shape) * max(dtype.itemsize, _NUMBER)
+                if left < 0:
+                    raise FileFormatError(
+                        f"{where}: {printable(str(shape))} of {dtype} is too large; at most "
+                        f"{self._largest} bytes of numbers are read in all"
+                    )
+                content = head + opened.read(max(member.file_size - len(head), 0))
+            result[key] = np.ndarray(shape, dtype, content, begin, order=order)
+        return result
 
     def inner(self, name: str) -> Archive:
         """An archive within this one."""
         content = self.content(name)
         where = f"{self._where}: {printable(name)}"
-        return Archive(io.BytesIO(content), where, self._expected, LARGEST)
+        return Archive(io.BytesIO(content), where, self._expected, self._largest)
 
 
 @contextmanager
@@ -199,9 +215,14 @@ def _check_end(file: BinaryIO, where: str, expected: str, largest: int) -> None:
         raise FileFormatError(f"{where}: an archive of too many files; {expected}")
 
 
-def _array(content: bytes, where: str) -> NDArray[Any]:
-    """The array in a .npy file, without a copy; its header has to agree with its bytes."""
-    stream = io.BytesIO(content)
+def _header(
+    head: bytes, size: int, where: str
+) -> tuple[tuple[int, ...], np.dtype[Any], Literal["C", "F"], int]:
+    """Shape, type, order and first byte of the array in a .npy file of `size` bytes.
+
+    `head`: its beginning. The header has to agree with the bytes behind it.
+    """
+    stream = io.BytesIO(head)
     try:
         version = np.lib.format.read_magic(stream)
         if version == (1, 0):
@@ -218,15 +239,15 @@ def _array(content: bytes, where: str) -> NDArray[Any]:
         )
     if dtype.kind not in "biufcSU":
         raise FileFormatError(f"{where}: expected plain numbers or text, got {dtype!s:.60}")
-    there = len(content) - stream.tell()
+    begin = stream.tell()
+    there = size - begin
     entries = math.prod(max(1, n) for n in shape)  # an axis of no length hides the others
     fits = math.prod(shape) * dtype.itemsize == there and entries <= 2 * LARGEST
     if not fits or len(shape) > 8 or min(shape, default=0) < 0 or (not dtype.itemsize and shape):
         raise FileFormatError(
             f"{where}: damaged: {there} bytes, expected {printable(str(shape))} of {dtype}"
         )
-    at = stream.tell()
-    return np.ndarray(shape, dtype, content, at, order="F" if in_columns else "C")
+    return shape, dtype, "F" if in_columns else "C", begin
 
 
 def text(arrays: Arrays, key: str, path: str | Path) -> str:
@@ -237,8 +258,12 @@ def text(arrays: Arrays, key: str, path: str | Path) -> str:
     return _texts(value, _LONGEST_TEXT, f'{path}: key "{key}"')[0]
 
 
-def checked(arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path) -> Arrays:
+def checked(
+    arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path, most_times: int | None = None
+) -> Arrays:
     """The arrays named in `layout`, as float64, int64 or text; other keys are left out.
+
+    `most_times`: the largest number of instants, counted before anything is converted.
 
     Raises:
         FileFormatError: a key is missing, has another shape or kind, or numbers that are not finite
@@ -250,6 +275,9 @@ def checked(arrays: Arrays, layout: Mapping[str, Quantity], path: str | Path) ->
         value = _entry(arrays, key, path)
         where = f'{path}: key "{key}"'
         _check_shape(value, quantity, key, sizes, where)
+        times = value.shape[0] if quantity.axes[:1] == (TIME,) else 0
+        if most_times is not None and times > most_times:
+            raise FileFormatError(f"{where}: expected 2 to {most_times} frames, got {times}")
         result[key] = _of_kind(value, quantity, where)
         _check_values(result[key], quantity, where)
     return result

@@ -36,7 +36,7 @@ from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options
-from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com, urdf_joints
 from llsrbm.motion.trajectory import Trajectory
@@ -85,14 +85,14 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
 
 
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
-    arrays = read_archive(path, expected=_EXPECTED)
+    arrays = read_archive(path, only={*_LAYOUT, "order", "fps"}, expected=_EXPECTED)
     if "joint_names" not in arrays:
         raise FileFormatError(
             f'{path}: key "joint_names" is missing, and the order of the joints is not known '
             "without; expected an array of their names in the file (mjlab: MuJoCo's order, "
             "BeyondMimic: Isaac Lab's)"
         )
-    values = checked(arrays, _LAYOUT, path)
+    values = checked(arrays, _LAYOUT, path, MOST_FRAMES)
     names = [str(name) for name in values["joint_names"]]
     columns = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
     quat = values["body_quat_w"][:, 0]

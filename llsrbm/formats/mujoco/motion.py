@@ -15,7 +15,7 @@ from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, open_archive, read_archive
 from llsrbm.files.quantity import POSITION, TIME, VELOCITY, Quantity
 from llsrbm.formats.base import ORDERS
-from llsrbm.formats.foreign import checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
@@ -32,6 +32,7 @@ _STATES = {
 }
 _EXPECTED = 'expected an npz file with "qpos", or the folder or zip of an export for MuJoCo'
 _RATE = 'a rate as "time", "fps" or "frequency" in the file, or given with it (--fps 500, say)'
+_MOST_NAMES = 1000
 _FREE = 0  # MuJoCo's number of a free joint's type
 _ROOT = 7  # numbers of the root in qpos
 _EVEN = 1e-3  # of a step: frames that are that even have a rate
@@ -61,7 +62,8 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         raise FileFormatError(
             f"{where}: {len(splits) - 1} motions one after the other; expected one"
         )
-    values = checked(arrays, {key: _STATES[key] for key in _STATES if key in arrays}, where)
+    states = {key: _STATES[key] for key in _STATES if key in arrays}
+    values = checked(arrays, states, where, MOST_FRAMES)
     names = _joint_names(arrays, values["qpos"].shape[1] - _ROOT, robot, where)
     for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1)):
         if key in values and values[key].shape[1] != root + len(names):
@@ -70,13 +72,13 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
                 f"{values[key].shape[1]}"
             )
     order = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
-    states = {
+    ordered = {
         key: values[key][:, [*range(root), *(root + column for column in order)]]
         for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1))
         if key in values
     }
     time = _times(arrays, values.get("time"), fps, where)
-    return checked_motion(robot, "mujoco", where, time, states["qpos"], states.get("qvel"))
+    return checked_motion(robot, "mujoco", where, time, ordered["qpos"], ordered.get("qvel"))
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:
@@ -115,7 +117,7 @@ def _joint_names(arrays: Arrays, count: int, robot: Robot, where: str) -> list[s
 def _names(arrays: Arrays, count: int, where: str) -> list[str]:
     """The file's names of joints but for the free one, which LocoMuJoCo's files name as well."""
     given = arrays["joint_names"]
-    if given.dtype.kind not in "US" or given.ndim != 1:
+    if given.dtype.kind not in "US" or given.ndim != 1 or len(given) > _MOST_NAMES:
         raise FileFormatError(f'{where}: key "joint_names": expected a list of names')
     names = [
         name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)

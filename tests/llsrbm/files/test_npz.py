@@ -12,7 +12,7 @@ import pytest
 
 from llsrbm.errors import FileFormatError
 from llsrbm.files import npz
-from llsrbm.formats import load_motion
+from llsrbm.formats import load_any, load_motion
 from llsrbm.formats.mujoco.motion import recognises
 from llsrbm.motion.trajectory import load
 from tests.llsrbm.hostile import (
@@ -137,6 +137,23 @@ class TestSizes:
         ):
             said = said_of(too_large, tmp_path, largest=100_000)
             assert "at most 100000 are read" in said
+
+    @pytest.mark.parametrize("frames", [100_000, 2_000_000])
+    @pytest.mark.parametrize("dtype", [np.int8, np.float16, bool])
+    @pytest.mark.parametrize("key", ["qpos", "joint_pos", "com"])
+    def test_small_numbers_are_counted_as_they_are_used(self, plan, tmp_path, key, dtype, frames):
+        """A float64 takes eight times the room of the int8 in the file."""
+        wide = {key: np.zeros((frames, 19), dtype)}
+        arrays = {**plan, **wide} if key == "com" else wide
+        if key == "joint_pos":
+            arrays |= {"body_pos_w": np.zeros((2, 13, 3)), "joint_names": plan["joint_names"]}
+        np.savez_compressed(tmp_path / "x.npz", **arrays)
+        assert (tmp_path / "x.npz").stat().st_size < 200_000
+        tracemalloc.start()
+        with pytest.raises(FileFormatError):
+            load_any(tmp_path / "x.npz", "anymal", 50)
+        assert tracemalloc.get_traced_memory()[1] < 100e6
+        tracemalloc.stop()
 
     def test_so_is_the_directory(self, plan, tmp_path):
         """Listing 300,000 names takes minutes, whoever lists them."""

@@ -195,11 +195,6 @@ def test_no_such_type(name, said):
     assert said in str(caught.value)
 
 
-def test_no_pipe_is_waited_for(tmp_path):
-    os.mkfifo(tmp_path / "x.toml")
-    assert refusal(tmp_path / "x.toml") == "no such file; expected a jump type (TOML)"
-
-
 class TestDefaults:
     def test_of_a_silent_request(self):
         assert with_defaults(Jump(type="flip")).pitch == -math.tau
