@@ -9,9 +9,10 @@
 # Reached under a name (jumps.example), it has to know it: --allow-host jumps.example.
 FROM python:3.11-slim
 
-# The one library that wheels (Pinocchio, fast-simplification) expect and this image lacks: OpenMP.
+# OpenMP, which wheels (Pinocchio, fast-simplification) expect and this image lacks; and a C
+# compiler, with which solvers become two to three times as fast (docs/architecture.md).
 RUN apt-get update \
-    && apt-get install --yes --no-install-recommends libgomp1 \
+    && apt-get install --yes --no-install-recommends gcc libc6-dev libgomp1 \
     && rm -rf /var/lib/apt/lists/*
 
 WORKDIR /opt/llsrbm
