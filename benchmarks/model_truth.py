@@ -86,7 +86,8 @@ def row(jump) -> str:
     radius = np.linalg.norm(feet - plan.com[flying][:, None, :2], axis=-1).mean(axis=1)
     error = (truth.momenta_true - truth.momenta_plan)[truth.flight]
     worst = np.sqrt(np.mean(error**2, axis=0)).max()
-    shares = [*truth.inertia_errors, *truth.momentum_errors, truth.momentum_error[1]]
+    largest = np.abs(error[:, 2]).max() / np.abs(truth.momenta_plan[:, 2]).max()
+    shares = [*truth.inertia_errors, *truth.momentum_errors, largest]
     figures = [f"{share:.1%}" for share in shares]
     figures += [
         f"{np.linalg.norm(truth.momenta_plan, axis=1).max():.2f} kg m2/s",

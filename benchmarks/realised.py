@@ -41,26 +41,6 @@ class Realised:
     foot_residual: Array
 
     @property
-    def inertia_model(self) -> Array:
-        """(N,) kg m2, Izz."""
-        return self.inertias_model[:, 2]
-
-    @property
-    def inertia_true(self) -> Array:
-        """(N,) kg m2, Izz."""
-        return self.inertias_true[:, 2]
-
-    @property
-    def momentum_plan(self) -> Array:
-        """(N,) kg m2/s, Lz."""
-        return self.momenta_plan[:, 2]
-
-    @property
-    def momentum_true(self) -> Array:
-        """(N,) kg m2/s, Lz."""
-        return self.momenta_true[:, 2]
-
-    @property
     def inertia_errors(self) -> Array:
         """(3,) RMS of the model's errors of Ixx, Iyy, Izz in flight, shares of the true values."""
         relative = (self.inertias_model / self.inertias_true - 1)[self.flight]
@@ -74,18 +54,6 @@ class Realised:
         peak = np.linalg.norm(self.momenta_plan, axis=1).max()
         errors: Array = np.sqrt(np.mean(error**2, axis=0)) / peak
         return errors
-
-    @property
-    def inertia_error(self) -> float:
-        """RMS of the model's Izz error in flight, share of the true value."""
-        return float(self.inertia_errors[2])
-
-    @property
-    def momentum_error(self) -> tuple[float, float]:
-        """RMS and largest error of Lz in flight, shares of the plan's peak."""
-        error = (self.momentum_true - self.momentum_plan)[self.flight]
-        error = error / np.abs(self.momentum_plan).max()
-        return float(np.sqrt(np.mean(error**2))), float(np.abs(error).max())
 
     @property
     def turn_error(self) -> Array:

@@ -22,18 +22,18 @@ def twists():
 def test_plans_of_llsrbm_plus_are_true(request_name):
     """Figures of the benchmark: Izz 1 %, Lz 2.6 % RMS and 3.6 % at worst on the 90 degree twist."""
     found = realise(solved("llsrbm-plus", request_name).knots)
-    rms, worst = found.momentum_error
-    assert found.inertia_error < 0.02
-    assert rms < 0.04
-    assert worst < 0.05
+    error = (found.momenta_true - found.momenta_plan)[found.flight, 2]
+    assert found.inertia_errors[2] < 0.02
+    assert found.momentum_errors[2] < 0.04
+    assert np.abs(error).max() < 0.05 * np.abs(found.momenta_plan[:, 2]).max()
 
 
 def test_those_of_the_simpler_models_are_not(twists):
     """What the paper leaves out shows: the legs' momentum, and knees that go outward."""
     plus = twists["llsrbm-plus"]
     for name in ("srbm", "llsrbm"):
-        assert twists[name].momentum_error[0] > 2 * plus.momentum_error[0]
-        assert twists[name].inertia_error > 2 * plus.inertia_error
+        assert twists[name].momentum_errors[2] > 2 * plus.momentum_errors[2]
+        assert twists[name].inertia_errors[2] > 2 * plus.inertia_errors[2]
 
 
 TURNING = {
@@ -113,17 +113,7 @@ def test_what_the_maps_leave_out_hardly_turns_a_biped(biped, request_):
 def test_the_turn_error_is_what_integrating_the_rest_gives(twists):
     """About z, where the base hardly tilts: momentum missing over inertia, summed over flight."""
     found = twists["llsrbm"]
-    missing = (found.momentum_plan - found.momentum_true) / found.inertia_true * found.interval
-    assert found.turn_error[2] == pytest.approx(missing[found.flight].sum(), rel=0.05)
+    missing = (found.momenta_plan - found.momenta_true)[:, 2] / found.inertias_true[:, 2]
+    turned = (missing * found.interval)[found.flight].sum()
+    assert found.turn_error[2] == pytest.approx(turned, rel=0.05)
     assert abs(found.turn_error[2]) > np.radians(2)
-
-
-def test_every_axis_has_its_own_error(twists):
-    found = twists["srbm"]
-    third = (found.inertias_model / found.inertias_true - 1)[found.flight]
-    np.testing.assert_allclose(found.inertia_errors, np.sqrt((third**2).mean(axis=0)))
-    assert found.inertia_errors[2] == found.inertia_error
-    # Of a twist the vertical component is the peak.
-    assert found.momentum_errors[2] == pytest.approx(found.momentum_error[0], rel=0.02)
-    np.testing.assert_array_equal(found.inertia_true, found.inertias_true[:, 2])
-    np.testing.assert_array_equal(found.momentum_plan, found.momenta_plan[:, 2])

@@ -27,7 +27,7 @@ from tests.llsrbm.hostile import (
     zipped,
 )
 
-EACH = 30  # `python -m benchmarks.hostile_files` tries thousands
+EACH = 30
 
 
 @pytest.fixture(scope="module")
