@@ -6,15 +6,13 @@ import contextlib
 import errno
 import ipaddress
 import os
-import signal
 import socket
 import sys
 import tempfile
 import threading
 import webbrowser
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 import viser
@@ -36,7 +34,8 @@ from app.viser_private import DesignerServer
 from app.workers.opened_file import OpenedFile
 from app.workers.pool import WorkerPool
 from app.workers.reports import Failed, Planned, Prepared, Progress, Refused, Report
-from app.workers.tasks import PlanJump, Prepare
+from app.workers.tasks import PlanJump, PlannerFactory, Prepare
+from app.workers.worker import LibraryPlanner
 from llsrbm import models
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
@@ -59,8 +58,9 @@ class Designer:
         allowed_hosts: Collection[str] = (),
         token: str | None = None,  # needed to enter; "none": anybody may; None: one is generated
         limits: Limits | None = None,  # of everything that visitors may do
-        # computes, and is closed with the server; None: one that uses the library
+        # computes, and is its maker's to close; None: one of its own, with this planner
         pool: WorkerPool | None = None,
+        planner: PlannerFactory = LibraryPlanner,
         file: OpenedFile | None = None,  # with which every tab begins
         atlases: Atlases | None = None,  # of sweeps to choose from; None: the one that ships
     ) -> None:
@@ -83,10 +83,17 @@ class Designer:
             raise
         self.host = host
         self.open_to_all = not loopback and not self._access.required
-        self.pool = pool or WorkerPool()
+        self._owns_pool = pool is None
+        self.pool = pool or WorkerPool(planner)
         self.initial = InitialPlans(self.pool.planner, file)
         files = {name: read_robot_file(path) for name, path in robot_files().items()}
-        self.tabs = Tabs(self.pool, self.initial, files, atlases or Atlases())
+        self.tabs = Tabs(
+            self.pool,
+            self.initial,
+            files,
+            atlases or Atlases(),
+            most_kept=self._guard.limits.tabs,
+        )
         _configure(self._server)
         self._server.on_client_connect(self.tabs.connect)
         self._server.on_client_disconnect(self.tabs.disconnect)
@@ -132,15 +139,18 @@ class Designer:
         self.pool.warm_up(tasks, announce, lambda: _print("ready"))
 
     def close(self) -> None:
-        """End the sessions, the server and the computing processes."""
+        """End the sessions, the server and the computing processes that are its own."""
         self.tabs.close()
         self._server.stop()
         self._guard.refusals.summarise()
-        self.pool.close()
+        if self._owns_pool:
+            self.pool.close()
 
 
-def serve(host: str, port: int, *, browser: bool = False, **options: Any) -> None:
-    """Serve a `Designer` with these options until SIGINT or SIGTERM; its address is printed.
+def serve(
+    host: str, port: int, stop: threading.Event, *, browser: bool = False, **options: Any
+) -> None:
+    """Serve a `Designer` with these options until `stop` is set; its address is printed.
 
     With `browser` the page is opened in one, where there is a display.
 
@@ -148,18 +158,14 @@ def serve(host: str, port: int, *, browser: bool = False, **options: Any) -> Non
         InputError: the address cannot be bound, the port is in use, or no such token can be.
         GuardMissing: the server would let in what it must refuse.
     """
-    with _stop_on_signal() as stop:
-        designer = Designer(host, port, **options)
-        try:
-            print(f"llsrbm designer: {designer.url}", flush=True)
-            if browser and _has_display():
-                threading.Thread(target=_open, args=(designer.url, stop), daemon=True).start()
-            if designer.open_to_all:
-                _print(f"warning: --token {NONE}: anybody who reaches this address may use it")
-            designer.warm_up(Jump().robot)
-            stop.wait()
-        finally:
-            designer.close()
+    with contextlib.closing(Designer(host, port, **options)) as designer:
+        print(f"llsrbm designer: {designer.url}", flush=True)
+        if browser and _has_display():
+            threading.Thread(target=_open, args=(designer.url, stop), daemon=True).start()
+        if designer.open_to_all:
+            _print(f"warning: --token {NONE}: anybody who reaches this address may use it")
+        designer.warm_up(Jump().robot)
+        stop.wait()
 
 
 def check_bindable(host: str, port: int) -> None:
@@ -237,19 +243,3 @@ def _configure(server: viser.ViserServer) -> None:
     configure_world(server)
     server.gui.main_panel.dock_right()
     server.gui.set_panel_label("Jump designer")
-
-
-@contextlib.contextmanager
-def _stop_on_signal() -> Iterator[threading.Event]:
-    """An event that SIGINT and SIGTERM set; the former handlers come back at the end."""
-    stop = threading.Event()
-
-    def handle(_number: int, _frame: FrameType | None) -> None:
-        stop.set()
-
-    former = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stop
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from contextlib import closing
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
+from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -71,32 +75,52 @@ def serve(
     atlas: _Atlases = None,
 ) -> None:
     """Serve the designer, a page where jumps are planned and shown, until Ctrl-C."""
-    from app.workers.pool import MOST_PROCESSES, PROCESSES, WorkerPool
+    with stop_on_signal() as stop:
+        from app.workers.pool import MOST_PROCESSES, PROCESSES, WorkerPool
 
-    if workers is not None and not 1 <= workers <= MOST_PROCESSES:
-        raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")
-    if scheduler is not None:
-        raise InputError(
-            "--scheduler: the page computes on this machine alone; expected --workers N for more "
-            "processes (llsrbm sweep takes --scheduler)"
-        )
-    file = None if open_ is None else _opened(open_, robot, fps)
+        if workers is not None and not 1 <= workers <= MOST_PROCESSES:
+            raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")
+        if scheduler is not None:
+            raise InputError(
+                "--scheduler: the page computes on this machine alone; expected --workers N for "
+                "more processes (llsrbm sweep takes --scheduler)"
+            )
+        file = None if open_ is None else _opened(open_, robot, fps)
+        # Its first process imports CasADi and loads a solver while this one imports the page.
+        with closing(WorkerPool(processes=workers or PROCESSES)) as pool:
+            from app.designer import serve as serve_designer
+            from app.tab.atlas import Atlases
 
-    # Its first process imports CasADi and loads a solver while this one imports the page.
-    with closing(WorkerPool(processes=workers or PROCESSES)) as pool:
-        from app.designer import serve as serve_designer
-        from app.tab.atlas import Atlases
+            serve_designer(
+                host,
+                port,
+                stop,
+                allowed_hosts=allow_host or (),
+                token=token if token_file is None else _token_in(token_file, token),
+                pool=pool,
+                file=file,
+                atlases=Atlases(atlas or ()),
+                browser=browser,
+            )
 
-        serve_designer(
-            host,
-            port,
-            allowed_hosts=allow_host or (),
-            token=token if token_file is None else _token_in(token_file, token),
-            pool=pool,
-            file=file,
-            atlases=Atlases(atlas or ()),
-            browser=browser,
-        )
+
+@contextmanager
+def stop_on_signal() -> Iterator[threading.Event]:
+    """An event that SIGINT and SIGTERM set; the former handlers come back at the end.
+
+    Set while something is still imported or built, it stops what comes of that.
+    """
+    stop = threading.Event()
+
+    def handle(_number: int, _frame: FrameType | None) -> None:
+        stop.set()
+
+    former = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in former.items():
+            signal.signal(number, handler)
 
 
 def _token_in(path: Path, other: str | None) -> str:

@@ -33,7 +33,6 @@ from websockets.sync.client import connect
 
 from app.designer import Designer
 from app.guard.limits import Limits, Rate
-from app.workers.pool import WorkerPool
 from benchmarks.hostile_requests import OWN, flood_of_requests, run_all
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import CAMERA, RawTab
@@ -71,7 +70,7 @@ def main():
         tabs=tabs, tabs_per_peer=tabs, handshakes=MANY, handshakes_per_peer=MANY, pages=MANY,
         pages_per_peer=MANY, wrong_tokens=MANY, open_s=1.0,
     )  # fmt: skip
-    designer = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), limits=limits)
+    designer = Designer(port=0, token="none", planner=SyntheticPlanner, limits=limits)
     # A first round, so that what is loaded once is not taken for what is not given back.
     visits(designer, given.tabs)
     settle(designer)

@@ -11,38 +11,47 @@ World frame: x forward, y left, z up; SI units; quaternions w, x, y, z; angles i
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
 
-from llsrbm.errors import (
-    Cancelled,
-    Error,
-    FileFormatError,
-    InputError,
-    NotConverged,
-    RobotFileError,
-    Stop,
-)
-from llsrbm.request.jump import Jump
-from llsrbm.request.scenario import Push, Scenario
-from llsrbm.request.tuning import Tuning
-
+TYPE_CHECKING = False  # `typing` would take longer to import than this module
 if TYPE_CHECKING:
+    from typing import Any
+
     from llsrbm.api import plan, simulate
     from llsrbm.certificate import certified, certify
+    from llsrbm.errors import (
+        Cancelled,
+        Error,
+        FileFormatError,
+        InputError,
+        NotConverged,
+        RobotFileError,
+        Stop,
+    )
     from llsrbm.formats import export, load_motion
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
     from llsrbm.planning.whole_body.feedback import with_feedback
     from llsrbm.request.design import Design, dump_design, load_design
+    from llsrbm.request.jump import Jump
+    from llsrbm.request.scenario import Push, Scenario
+    from llsrbm.request.tuning import Tuning
 
-# CasADi and Pinocchio take most of a second to import: only when they are used.
+# Imported when they are used: CasADi and Pinocchio take most of a second, and Ctrl-C on a command
+# shall find its way before that.
 _LATER = {
     name: module
     for module, names in {
         "llsrbm.api": ("plan", "simulate"),
         "llsrbm.certificate": ("certified", "certify"),
+        "llsrbm.errors": (
+            *("Cancelled", "Error", "FileFormatError", "InputError", "NotConverged"),
+            *("RobotFileError", "Stop"),
+        ),
         "llsrbm.request.design": ("Design", "dump_design", "load_design"),
+        "llsrbm.request.jump": ("Jump",),
+        "llsrbm.request.scenario": ("Push", "Scenario"),
+        "llsrbm.request.tuning": ("Tuning",),
         "llsrbm.formats": ("export", "load_motion"),
         "llsrbm.motion.trajectory": ("load",),
         "llsrbm.motion.plan": ("Plan",),

@@ -13,6 +13,8 @@ from app.tab.effects import Queue, Reported, ShowPart
 from app.tab.state import Check, TabState
 from app.workers import reports, tasks
 from llsrbm.certificate import stated
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.rollout import Rollout
 
 # ---- parts of the robot
 
@@ -57,7 +59,12 @@ def check(state: TabState, _: CertificateAsked | None = None) -> Step:
         return state, ()
     known = stated(motion)
     if known is not None:  # of a file
-        return replace(state, check=Check(motion, 0, known)), ()
+        return replace(state, check=Check(motion, certificate=known)), ()
+    return begin_check(state, motion)
+
+
+def begin_check(state: TabState, motion: Plan | Rollout) -> Step:
+    """Have a motion checked."""
     state, effects = submit_beside(state, Queue.CHECK, tasks.CheckMotion(motion))
     return replace(state, check=Check(motion, state.tickets, note="Checking ...")), effects
 
@@ -65,13 +72,14 @@ def check(state: TabState, _: CertificateAsked | None = None) -> Step:
 @on(Queue.CHECK)
 def take_check(state: TabState, event: Reported) -> TabState:
     """The motion is being checked, or has been."""
-    if state.check is None or event.ticket != state.check.ticket:
+    check = state.check
+    if check is None or event.ticket != check.ticket:
         return state
     match event.report:
         case reports.Checked(certificate=certificate):
-            return replace(state, check=replace(state.check, certificate=certificate, note=""))
+            return replace(state, check=Check(check.motion, certificate=certificate))
         case reports.Failed(message=message):
-            return replace(state, check=replace(state.check, note=f"Not checked: {message}"))
+            return replace(state, check=Check(check.motion, note=f"Not checked: {message}"))
         case reports.Cancelled():
             return replace(state, check=None)
     return state

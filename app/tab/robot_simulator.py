@@ -11,14 +11,16 @@ from app.tab.state import TabState, free_colour
 from app.workers.tasks import SimulateJump
 
 
-@on(
-    Act.ROBOT_SIMULATOR,
-    enabled=lambda state: state.plan is not None and state.plan.solved and not state.planning,
-)
+def _can_be_played(state: TabState) -> bool:
+    shown = state.plan is not None and state.plan.solved
+    return shown and state.ready and not state.planning
+
+
+@on(Act.ROBOT_SIMULATOR, enabled=_can_be_played)
 def play_through_wire(state: TabState) -> Step:
     """Play the plan through a robot's wire; the direct simulation that is shown is pinned."""
     plan, scenario = state.plan, state.design.scenario
-    if plan is None or not plan.solved:
+    if plan is None or not _can_be_played(state):
         return state, (Notify("Not played", "There is no plan yet."),)
     if scenario.pushes:
         words = "The robot simulator knows no pushes; expected a scenario without any."

@@ -179,7 +179,7 @@ class Check:
     """The certificate of a motion, as far as it is there."""
 
     motion: Plan | Rollout  # that is checked
-    ticket: int  # of the job
+    ticket: int = 0  # of the job that makes it; 0: none is under way
     certificate: Certificate | None = None
     note: str = ""  # on its progress, or why there is none
 

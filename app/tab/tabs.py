@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 
 import viser
 
-from app.guard.limits import Limits
 from app.tab.atlas import Atlases
 from app.tab.session import Session
 from app.tab.start.initial_plan import InitialPlans
@@ -20,9 +19,6 @@ from app.workers.pool import WorkerPool
 from llsrbm.robots import RobotFile
 
 KEPT = 600.0  # s for which the state of a tab without a connection is kept
-
-MOST_KEPT = Limits.tabs
-"""States that are kept: of all tabs when the network fails; one takes some megabytes."""
 
 _RELEASE = 1.0  # s for the session of a connection that is dead to end, when its page is back
 _END = 5.0  # s for all sessions to end with the server
@@ -40,12 +36,16 @@ class Tabs:
         initial: InitialPlans,  # plans with which they begin
         robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
         atlases: Atlases,  # of sweeps to choose from
+        *,
+        # states that are kept: of all tabs when the network fails; one takes some megabytes
+        most_kept: int,
         clock: Callable[[], float] = time.monotonic,  # s
     ) -> None:
         self._pool = pool
         self._initial = initial
         self._robots = robots
         self._atlases = atlases
+        self._most_kept = most_kept
         self._clock = clock
         self._lock = threading.Lock()  # for the two below; nothing that lasts is done under it
         self._sessions: dict[int, Session] = {}
@@ -124,5 +124,5 @@ class Tabs:
     def _drop_old(self) -> None:
         now = self._clock()
         self._kept = {token: kept for token, kept in self._kept.items() if kept[0] > now}
-        while len(self._kept) > MOST_KEPT:
+        while len(self._kept) > self._most_kept:
             del self._kept[next(iter(self._kept))]

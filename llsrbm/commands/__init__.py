@@ -1,4 +1,4 @@
-"""The commands of `llsrbm`, one module each; `llsrbm.cli` puts them together.
+"""The commands of `llsrbm`, one module each; `llsrbm.commands.program` puts them together.
 
 Heavy imports happen inside the commands, so that `llsrbm --help` answers at once.
 """

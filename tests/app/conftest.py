@@ -3,7 +3,6 @@ from __future__ import annotations
 import pytest
 
 from app.designer import Designer
-from app.workers.pool import WorkerPool
 from llsrbm.look.visuals import link_visuals
 from llsrbm.robots import load_robot
 from tests.app.planners import SyntheticPlanner
@@ -14,7 +13,7 @@ from tests.app.shared_page import fresh, visit
 @pytest.fixture(scope="session")
 def designer():
     """A designer whose planner is quick and made up; tabs of it share nothing."""
-    running = Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner))
+    running = Designer(port=0, token="none", planner=SyntheticPlanner)
     yield running
     running.close()
 

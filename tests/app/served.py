@@ -6,10 +6,9 @@ import sys
 import threading
 
 from app.designer import Designer
-from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 
 if __name__ == "__main__":
-    running = Designer(port=int(sys.argv[1]), token="none", pool=WorkerPool(SyntheticPlanner))
+    running = Designer(port=int(sys.argv[1]), token="none", planner=SyntheticPlanner)
     print(running.port, flush=True)
     threading.Event().wait()

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import threading
 import urllib.request
-from contextlib import closing, nullcontext
+from contextlib import closing
 from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import MagicMock
@@ -20,8 +20,8 @@ import pytest
 
 import app.designer
 from app.designer import Designer, check_bindable, serve
+from app.serve import stop_on_signal
 from app.tab.start.initial_plan import example
-from app.workers.pool import WorkerPool
 from llsrbm import cli
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
@@ -33,10 +33,11 @@ from tests.app.waits import wait_until
 PROGRAM = """
 import sys
 from app.designer import serve
-from app.workers.pool import WorkerPool
+from app.serve import stop_on_signal
 from tests.app.planners import SyntheticPlanner
 if __name__ == "__main__":
-    serve("127.0.0.1", int(sys.argv[1]), pool=WorkerPool(SyntheticPlanner))
+    with stop_on_signal() as stop:
+        serve("127.0.0.1", int(sys.argv[1]), stop, planner=SyntheticPlanner)
 """
 
 
@@ -89,13 +90,13 @@ def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path
     monkeypatch.setattr("app.tab.start.initial_plan.cache_path", lambda *_: entry)
     ready = threading.Event()
     monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
-    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+    with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
         assert designer.initial.plan("anymal") is None
         designer.warm_up("anymal")
         assert ready.wait(20)
         plan = designer.initial.plan("anymal")
     assert plan.jump == example("anymal")
-    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+    with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
         designer.warm_up("anymal")
         assert designer.initial.plan("anymal").jump == plan.jump
         assert designer.initial.plan("go2") is None
@@ -113,7 +114,7 @@ def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
     monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.recall", lambda *_: None)
     monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.keep", lambda *_: None)
     monkeypatch.setattr("app.designer.example", lambda robot: Jump(twist=planners.ITERATING))
-    with closing(Designer(port=0, pool=WorkerPool(SyntheticPlanner))) as designer:
+    with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
         designer.warm_up("anymal")
         assert ready.wait(30)
     assert lines == ["  preparing anymal ...", "  solving ...", "ready"]
@@ -135,7 +136,7 @@ TOKEN = "a-token-of_32-characters-exactly"
 )
 def test_the_address_holds_the_token_unless_none_is_chosen(host, token, address, open_to_all):
     needed = token != "none"
-    with closing(Designer(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))) as designer:
+    with closing(Designer(host, 0, token=token, planner=SyntheticPlanner)) as designer:
         base = f"http://{address}:{designer.port}"
         found = re.fullmatch(re.escape(base) + r"(?:/\?token=([\w-]{16,}))?", designer.url)
         assert bool(found[1]) is needed
@@ -192,11 +193,11 @@ def port_that_stays_free():
 
 def test_a_fixed_token_lets_a_page_come_back_after_a_restart():
     port = port_that_stays_free()
-    with closing(Designer(port=port, token=TOKEN, pool=WorkerPool(SyntheticPlanner))):
+    with closing(Designer(port=port, token=TOKEN, planner=SyntheticPlanner)):
         cookie = {"Cookie": asked(port, f"/?token={TOKEN}").cookie}
-    with closing(Designer(port=port, token=TOKEN, pool=WorkerPool(SyntheticPlanner))):
+    with closing(Designer(port=port, token=TOKEN, planner=SyntheticPlanner)):
         assert asked(port, headers=cookie).status == 200
-    with closing(Designer(port=port, token=TOKEN[::-1], pool=WorkerPool(SyntheticPlanner))):
+    with closing(Designer(port=port, token=TOKEN[::-1], planner=SyntheticPlanner)):
         assert asked(port, headers=cookie).status == 401
 
 
@@ -208,8 +209,7 @@ def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warn
     monkeypatch.setattr("app.designer.Designer.warm_up", lambda *_: None)
     stopped = threading.Event()
     stopped.set()
-    monkeypatch.setattr("app.designer._stop_on_signal", lambda: nullcontext(stopped))
-    serve(host, 0, token=token, pool=WorkerPool(SyntheticPlanner))
+    serve(host, 0, stopped, token=token, planner=SyntheticPlanner)
     out, err = capfd.readouterr()
     assert out.startswith("llsrbm designer: http://127.0.0.1:")
     assert (out.count("\n"), err.count("\n")) == (1, int(warned))
@@ -282,7 +282,7 @@ def test_it_serves_says_where_and_ends_cleanly(tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_both_signals_stop_it(number):
     former = signal.getsignal(number)
-    with app.designer._stop_on_signal() as stop:
+    with stop_on_signal() as stop:
         signal.raise_signal(number)
         assert stop.is_set()
     assert signal.getsignal(number) is former

@@ -9,7 +9,6 @@ import pytest
 from app.designer import Designer
 from app.workers.file_reading import open_file
 from app.workers.opened_file import OpenedFile
-from app.workers.pool import WorkerPool
 from llsrbm import cli
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
@@ -30,7 +29,7 @@ def served():
     running = []
 
     def serve(file):
-        running.append(Designer(port=0, token="none", pool=WorkerPool(SyntheticPlanner), file=file))
+        running.append(Designer(port=0, token="none", planner=SyntheticPlanner, file=file))
         return running[-1]
 
     yield serve

@@ -11,7 +11,8 @@ import pytest
 import typer
 
 from llsrbm import models
-from llsrbm.cli import app, main
+from llsrbm.cli import main
+from llsrbm.commands.program import app
 from llsrbm.formats import FORMATS
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import limit_unit

@@ -1,8 +1,10 @@
 """The command line: exit status, one line for what is wrong, one JSON object when asked."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from importlib.metadata import EntryPoint
 
 import pytest
@@ -134,10 +136,38 @@ class TestStreams:
         assert (process.returncode, process.stderr) == (0, "")
 
 
+# As the script that pip makes; the first line stands for the last instruction before ours.
+SCRIPT = """
+import sys
+sys.stdout.write("begun"), sys.stdout.flush()
+from llsrbm.cli import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("after", [0.03, 0.15, 0.4, 0.9])
+@pytest.mark.parametrize("command", ["serve --port 0 --no-browser", "plan --robot go2"])
+def test_a_signal_ends_a_command_that_still_begins_without_a_word(command, after, number):
+    """As Ctrl-C sends it, to all processes of the terminal."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", SCRIPT, *command.split()],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    assert process.stdout.read(5) == b"begun"
+    time.sleep(after)
+    os.killpg(process.pid, number)
+    _, err = process.communicate(timeout=60)
+    assert err == b""
+    assert process.returncode in ((130, 0) if number == signal.SIGINT else (-number, 0))
+
+
 class TestCommandsOfOtherPackages:
     def register(self, monkeypatch, value):
         point = EntryPoint(name="greet", value=value, group="llsrbm.commands")
-        monkeypatch.setattr(cli, "entry_points", lambda group: (point,))
+        monkeypatch.setattr("llsrbm.commands.program.entry_points", lambda group: (point,))
 
     def test_are_found_and_get_their_options(self, monkeypatch, capsys):
         self.register(monkeypatch, "tests.llsrbm.plugin:greet")

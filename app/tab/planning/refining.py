@@ -31,7 +31,7 @@ def choose_whole_body(state: TabState, event: WholeBody) -> Step:
     state, shown = replace(state, whole_body=event.wanted), state.shown
     if wants_refining(state):
         return refine(state)
-    if event.wanted or shown is None or shown.centroidal is None:
+    if event.wanted or shown is None or shown.centroidal is None or not state.ready:
         return state, ()
     return _show(state.with_work(awaited=None, dropped=state.work.newest), shown.centroidal)
 
@@ -39,7 +39,7 @@ def choose_whole_body(state: TabState, event: WholeBody) -> Step:
 def wants_refining(state: TabState) -> bool:
     """Whether the plan that is shown is to be refined, and has not been."""
     plan = state.plan
-    if not state.whole_body or plan is None or state.planning:
+    if not state.whole_body or plan is None or state.planning or not state.ready:
         return False
     return plan.solved and plan.refinement is None
 

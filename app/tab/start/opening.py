@@ -9,6 +9,7 @@ from app.link import PageReady, PlaybackChosen, PlayerMoved
 from app.tab import files
 from app.tab.acts import Step, joined, on, submit, submit_beside
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
+from app.tab.inspection import begin_check
 from app.tab.planning.dragging import REST
 from app.tab.planning.requests import Rested, plan_design
 from app.tab.showing import show_given
@@ -72,11 +73,11 @@ def left(state: TabState) -> TabState:
     shown = state.shown
     if shown is not None and shown.so_far is not None:
         shown = replace(shown, so_far=None)
-    return replace(state, shown=shown, files=FileWork(), page=False)
+    return replace(state, shown=shown, page=False)
 
 
 def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
-    """A tab comes back: its job begins anew, its place on the timeline is found."""
+    """A tab comes back: its jobs begin anew, its place on the timeline is found."""
     if page.time > 0 or page.playing:  # it lost its connection only, and went on by itself
         playback = replace(state.playback, time=page.time, playing=page.playing)
         state = replace(state, playback=playback)
@@ -98,6 +99,13 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if robot is not None and not state.prepared:
         state, meshes = submit_beside(state, Queue.ROBOT, Prepare(robot.name))
         begun = (*begun, *meshes)
+    if state.check is not None and state.check.ticket:
+        state, checked = begin_check(state, state.check.motion)
+        begun = (*begun, *checked)
+    if state.files.opening or state.files.saving:
+        state = replace(state, files=FileWork())
+        body = "The connection was lost while a file was read or written: please try again."
+        begun = (*begun, Notify("Stopped", body))
     if state.shown is None:
         return state, begun
     play = (Play(),) if state.playback.playing else ()

@@ -10,7 +10,6 @@ import threading
 import pytest
 
 from app.designer import Designer
-from app.workers.pool import WorkerPool
 from tests.app.chromium import dark, picture, status, visitor
 from tests.app.planners import SyntheticPlanner
 from tests.app.waits import wait_until
@@ -22,7 +21,7 @@ FRAGMENT = "#design=abc"
 
 @pytest.fixture(scope="module")
 def designer():
-    running = Designer("0.0.0.0", 0, pool=WorkerPool(SyntheticPlanner))
+    running = Designer("0.0.0.0", 0, planner=SyntheticPlanner)
     yield running
     running.close()
 

@@ -11,7 +11,6 @@ import app.viser_private
 from app.designer import Designer
 from app.guard.policy import Decision, Guard
 from app.guard.start_check import GuardMissing, check
-from app.workers.pool import WorkerPool
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_http import asked
 
@@ -93,7 +92,7 @@ def test_a_server_that_does_not_answer_is_none():
 
 @pytest.mark.parametrize("host", ["0.0.0.0", "127.0.0.2", "localhost", "::1"])
 def test_a_sound_one_starts_in_silence(host, caplog, capfd):
-    designer = Designer(host, 0, pool=WorkerPool(SyntheticPlanner), token=TOKEN)
+    designer = Designer(host, 0, planner=SyntheticPlanner, token=TOKEN)
     try:
         assert caplog.records == []
         assert capfd.readouterr() == ("", "")

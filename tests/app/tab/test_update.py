@@ -37,6 +37,7 @@ from app.tab.state import TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.reports import (
     Cancelled,
+    Checked,
     Exported,
     Failed,
     Opened,
@@ -50,6 +51,7 @@ from app.workers.reports import (
     SimulatedSoFar,
 )
 from app.workers.tasks import (
+    CheckMotion,
     ExportMotion,
     OpenFile,
     PlanJump,
@@ -63,7 +65,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from tests.app.planners import turning_states
+from tests.app.planners import CERTIFICATE, turning_states
 from tests.app.pure_tab import ROBOTS, plan_of, planned_tab, rollout_of
 from tests.app.synthetic_plan import refined_plan
 
@@ -132,6 +134,7 @@ WISHES = st.one_of(
         [
             Act.SIMULATE,
             Act.SEEDS,
+            Act.CHECK,
             Act.ROBOT_SIMULATOR,
             Act.COMPARE_REPLANNING,
             Act.COMPARE_MODEL,
@@ -199,6 +202,8 @@ def success(task, file):
             return Opened(0, file)
         case ExportMotion():
             return Exported(0, "a.npz", b"1")
+        case CheckMotion():
+            return Checked(0, CERTIFICATE)
 
 
 @cache
@@ -291,6 +296,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.work.newest,
             self.state.files.opening,
             self.state.files.saving,
+            self.state.check and self.state.check.ticket,
         )
         before = self.state
         self.take(Reported(submit.queue, submit.ticket, report))
@@ -342,6 +348,10 @@ class AnyEvents(RuleBasedStateMachine):
         )
         if state.status.busy or state.planning:
             assert any(waits)
+        if state.check is not None and state.check.ticket:
+            assert any(submit.ticket == state.check.ticket for submit in self.running)
+        if state.check is not None and state.check.certificate is None:
+            assert state.check.ticket or state.check.note.startswith("Not checked")
         if state.files.opening or state.files.saving:
             assert {state.files.opening, state.files.saving} & {s.ticket for s in self.running}
 

@@ -4,7 +4,7 @@ import pytest
 
 from app.panel.acts import Act
 from app.panel.status import Verdict
-from app.tab.effects import After
+from app.tab.effects import After, Submit
 from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.workers.reports import Cancelled, Planned
@@ -88,3 +88,14 @@ def test_while_a_slider_moves_nothing_is_refined():
     tab.finish_plan()
     assert tab.state.work.dragging.rests
     assert isinstance(tab.submits[-1].task, PlanJump)
+
+
+@pytest.mark.parametrize("event", [WholeBody(True), Act.ROBOT_SIMULATOR])
+def test_another_robot_that_is_being_prepared_is_not_forgotten(event):
+    """What is shown is of the robot before, and about to go."""
+    tab = planned_tab()
+    tab.move(robot="go2")
+    awaited = tab.state.work.awaited
+    tab.take(event)
+    assert tab.state.work.awaited is awaited
+    assert tab.of(Submit) == []

@@ -25,15 +25,14 @@ from app.tab.effects import (
 from app.tab.planning.dragging import REST
 from app.tab.planning.requests import Rested
 from app.tab.start.opening import TabOpened, example_design, left, resume
-from app.tab.state import FileWork
 from app.workers.opened_file import OpenedFile
-from app.workers.reports import Prepared, SeedDone, SimulatedSoFar
+from app.workers.reports import Checked, Prepared, SeedDone, SimulatedSoFar
 from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from tests.app.planners import turning_states
+from tests.app.planners import CERTIFICATE, turning_states
 from tests.app.pure_tab import ROBOTS, PureTab, plan_of, planned_tab, rollout_of
 
 EXAMPLE = example_design(ROBOTS["anymal"])
@@ -209,12 +208,6 @@ def test_a_plan_that_waited_for_its_robot_is_shown():
     assert tab.state.plan is plan
 
 
-def test_files_that_were_on_their_way_are_not_waited_for():
-    tab = planned_tab()
-    tab.state = replace(tab.state, files=FileWork(3, "waiting", 4, "npz", "Exporting"))
-    assert vars(left(tab.state).files) == vars(FileWork())
-
-
 def test_meshes_that_were_being_made_are_made_again():
     tab = planned_tab()
     tab.state = replace(tab.state, prepared=False)
@@ -235,3 +228,19 @@ def test_seeds_are_counted_from_the_first_again():
     tab.report(SeedDone(0, SeedResult(0, True, True, None, 0.0, "landed"), 1, 2))
     back(tab)
     assert tab.state.seeds.results == ()
+
+
+def test_a_check_is_begun_again_and_a_file_that_was_written_is_said_to_be_lost():
+    """Neither is waited for for ever."""
+    tab = planned_tab()
+    tab.take(Act.EXPORT)
+    tab.take(Act.CHECK)
+    old = tab.one
+    back(tab)
+    (submit,) = tab.of(Submit)
+    assert (submit.task.motion, submit.ticket > old.ticket) == (old.task.motion, True)
+    ((title, _),) = tab.notes()
+    assert (title, tab.state.files.saving_note) == ("Stopped", "")
+    tab.report(Checked(0, CERTIFICATE))
+    assert tab.state.check.certificate is CERTIFICATE
+    assert back(tab).of(Submit) == []
