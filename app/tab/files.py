@@ -15,11 +15,12 @@ from app.tab.state import Given, Pin, TabState, free_colour
 from app.workers import reports, tasks
 from app.workers.opened_file import OpenedFile, States
 from llsrbm.errors import Error
-from llsrbm.formats import FORMATS
+from llsrbm.formats import FORMATS, availability
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.design import Design, dump_design, file_name
+from llsrbm.robots import load_robot
 
 # ---- opening
 
@@ -160,13 +161,8 @@ def export(state: TabState) -> Step:
     if motion is None:
         return state, (Notify("Nothing to export", "There is no plan yet."),)
     for name in choice.formats:
-        extra = FORMATS[name].extra
-        if extra is not None and extra.missing:
-            body = (
-                f'format "{name}" needs packages that are not installed; expected pip install '
-                f'"llsrbm[{extra.name}]"'
-            )
-            return state, (Notify("Not exported", body),)
+        if reason := availability(FORMATS[name], load_robot(motion.jump.robot)):
+            return state, (Notify("Not exported", f'Format "{name}": {reason}.'),)
     saved = ", ".join(choice.formats)
     if state.check is not None and state.check.motion is motion and state.check.certificate:
         motion = replace(motion, certificate=state.check.certificate.as_dict())

@@ -15,6 +15,7 @@ from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
     from llsrbm.formats import Format
+    from llsrbm.robots import Robot
 
 FormatName = typer.Option("--format", metavar="F", help="See `llsrbm formats`.")
 
@@ -95,22 +96,31 @@ def replay_command(
 
 def formats_command(
     format_: Annotated[str | None, FormatName] = None,
+    robot: Annotated[
+        str | None,
+        typer.Option(metavar="R", help="Also name the formats that this robot has no files of."),
+    ] = None,
 ) -> int:
-    """List the formats that `llsrbm export` writes, or the conventions of one."""
-    from llsrbm.formats import FORMATS, find
+    """List the formats that `llsrbm export` writes, or the conventions of one.
 
+    A format that cannot be written here, or of the robot, has the reason behind it.
+    """
+    from llsrbm.formats import FORMATS, find
+    from llsrbm.robots import load_robot
+
+    loaded = None if robot is None else load_robot(robot)
     if format_ is None:
-        console.print_table({n: f"{each.title}{_needs(each)}" for n, each in FORMATS.items()})
+        console.print_table({n: _title(each, loaded) for n, each in FORMATS.items()})
     else:
-        for line in _facts(find(format_)):
+        for line in _facts(find(format_), loaded):
             print(line)
     return console.DONE
 
 
-def _facts(format_: Format) -> list[str]:
+def _facts(format_: Format, robot: Robot | None) -> list[str]:
     from llsrbm.formats.table import quantity_rows
 
-    lines = [f"{format_.name}: {format_.title}{_needs(format_)}", ""]
+    lines = [f"{format_.name}: {_title(format_, robot)}", ""]
     lines += format_.conventions.strip().splitlines()
     taken = [f"{name} (default {getattr(format_.defaults, name)})" for name in format_.options]
     reads = "yes, for looking and comparing" if format_.read is not None else "no"
@@ -126,11 +136,11 @@ def _facts(format_: Format) -> list[str]:
     return lines + (quantity_rows() if format_.name in ("npz", "csv") else [])
 
 
-def _needs(format_: Format) -> str:
-    extra = format_.extra
-    if extra is None or not extra.missing:
-        return ""
-    return f' (not installed: pip install "llsrbm[{extra.name}]")'
+def _title(format_: Format, robot: Robot | None) -> str:
+    from llsrbm.formats import availability
+
+    reason = availability(format_, robot)
+    return f"{format_.title} ({reason})" if reason else format_.title
 
 
 def _numbers(option: str, given: str, separator: str, count: int) -> tuple[float, ...]:

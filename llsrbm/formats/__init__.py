@@ -25,22 +25,22 @@ from llsrbm.formats.pictures.video import GIF, MP4
 from llsrbm.formats.table import CSV
 from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
 from llsrbm.formats.unitree_csv import UNITREE_CSV
-from llsrbm.formats.wire import LOWCMD, ODRI_CSV, OPT_MIMIC_CSV, QUAD_SDK_CSV, ROS2_BAG
+from llsrbm.formats.wire import LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.messages import look_up
-from llsrbm.robots import load_robot
+from llsrbm.robots import Robot, load_robot
 
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find", "is_native"]
-__all__ += ["load_any", "load_motion", "readable", "stem"]
+__all__ += ["availability", "load_any", "load_motion", "readable", "stem"]
 
 # In the order in which they are listed and offered.
 FORMATS: dict[str, Format] = {
     format_.name: format_
     for format_ in (
         *(NPZ, CSV, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
-        *(OPT_MIMIC_CSV, LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
+        *(LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
         *(MUJOCO, MCAP, RRD, HTML, MP4, GIF, DESIGN),
     )
 }
@@ -49,6 +49,20 @@ FORMATS: dict[str, Format] = {
 def find(name: str) -> Format:
     """The format of that name; raises `InputError` if there is none."""
     return look_up("format", name, FORMATS)
+
+
+def availability(format_: Format, robot: Robot | None = None) -> str:
+    """Why files of a format cannot be written here, of this robot; "" if they can."""
+    if format_.extra is not None and format_.extra.missing:
+        return f'not installed: pip install "llsrbm[{format_.extra.name}]"'
+    try:
+        format_.machine()
+        if robot is not None and format_.fits is not None:
+            format_.fits(robot)
+    except InputError as error:
+        words = str(error).removeprefix(f"{robot.path}: " if robot else "")
+        return words.removeprefix(f'format "{format_.name}": ').partition(";")[0]
+    return ""
 
 
 # ---- opening
@@ -154,9 +168,11 @@ def export(
         raise InputError("no format is named; expected one or more of `llsrbm formats`")
     formats = [find(name) for name in names]
     chosen = [(each, _options(each, options)) for each in formats]
+    _check_used(formats, options)
     for each in formats:
         each.check_installed()
-    _check_used(formats, options)
+        if each.fits is not None:
+            each.fits(load_robot(trajectory.jump.robot))
     path = Path(path)
     zipped = path.suffix.lower() == ".zip"
     if len(formats) > 1 and not zipped:

@@ -89,7 +89,8 @@ class Format:
             if it cannot. Nobody sees the path before everything has been written.
         conventions: frames, units and orders, in a few lines.
         options: names of what it takes of `Options`; defaults: theirs.
-        extra: packages that it needs; None: none.
+        extra: packages that it needs; None: none. machine: raises `InputError` where it cannot be
+            written on this machine, fits: where it cannot be written of a robot; None: of any.
         read: (path, robot, frames/s) -> motion, for formats that can be opened for looking; raises
             `FileFormatError`. The rate is for files without one of their own.
         recognises: path -> whether a file looks like one that `read` opens; raises nothing.
@@ -103,6 +104,8 @@ class Format:
     options: tuple[str, ...] = ()
     defaults: Options = field(default_factory=Options)
     extra: Extra | None = None
+    machine: Callable[[], object] = lambda: None
+    fits: Callable[[Robot], object] | None = None
     read: Callable[[Path, Robot, float | None], WholeBodyMotion] | None = None
     recognises: Callable[[Path], bool] = lambda _: False
 

@@ -9,7 +9,9 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
+from ctypes.util import find_library
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +36,11 @@ from llsrbm.motion.trajectory import Trajectory
 
 Picture = NDArray[np.uint8]
 
-_BACKENDS = ("egl", "osmesa")  # of MuJoCo, those that need no screen
+# MuJoCo's that need no screen; "": its own of macOS and Windows.
+_BACKENDS = ("egl", "osmesa") if sys.platform == "linux" else ("",)
+_EXPECTED = (
+    "EGL or OSMesa, on Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri, or libosmesa6"
+)
 _LONGEST_LINE = 200  # characters of what went wrong in the other process
 _INK, _SOFT_INK = (29, 36, 48), (93, 104, 118)
 _FASTEST_VIDEO = 240.0  # pictures/s; players refuse more
@@ -108,8 +114,7 @@ def _drawn(film: dict[str, Any]) -> Iterator[Picture]:
             if status != NO_OPENGL:
                 raise Error(f"drawing pictures failed: {reason}")
     raise InputError(
-        f"pictures cannot be drawn without a screen: no OpenGL ({reason}); expected "
-        "EGL or OSMesa, on Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri, or libosmesa6"
+        f"pictures cannot be drawn without a screen: no OpenGL ({reason}); expected {_EXPECTED}"
     )
 
 
@@ -242,6 +247,12 @@ def _rounded(picture: Picture) -> Picture:
     return (picture // _ROUNDED * _ROUNDED + _ROUNDED // 2).astype(np.uint8)
 
 
+@cache
+def _check_machine() -> None:
+    if sys.platform == "linux" and not any(map(find_library, ("EGL", "OSMesa"))):
+        raise InputError(f"no OpenGL without a screen; expected {_EXPECTED}")
+
+
 MP4 = Format(
     name="mp4",
     title="a video, H.264",
@@ -263,6 +274,7 @@ picture of 960 x 540 on two cores, and then with smooth edges only up to 640 x 3
 """,
     options=("fps", "pad", "size", "camera"),
     extra=Extra("video", ("av",)),
+    machine=_check_machine,
 )
 
 GIF = Format(
@@ -279,4 +291,5 @@ comment is JSON with request, robot and solver.
 """,
     options=("fps", "pad", "size", "camera"),
     defaults=Options(fps=25.0, size=(640, 360)),
+    machine=_check_machine,
 )

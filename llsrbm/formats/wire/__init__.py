@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from llsrbm.formats.wire.lowcmd import LOWCMD
 from llsrbm.formats.wire.odri_csv import ODRI_CSV
-from llsrbm.formats.wire.opt_mimic_csv import OPT_MIMIC_CSV
 from llsrbm.formats.wire.quad_sdk_csv import QUAD_SDK_CSV
 from llsrbm.formats.wire.ros2 import ROS2_BAG
 
-__all__ = ["LOWCMD", "ODRI_CSV", "OPT_MIMIC_CSV", "QUAD_SDK_CSV", "ROS2_BAG"]
+__all__ = ["LOWCMD", "ODRI_CSV", "QUAD_SDK_CSV", "ROS2_BAG"]

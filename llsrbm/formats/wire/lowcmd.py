@@ -35,7 +35,9 @@ from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.wire.numbers import interleaved, write_numbers
 from llsrbm.motion.trajectory import Trajectory
+from llsrbm.robots import Robot
 from llsrbm.wire.command_table import CommandTable, command_table
+from llsrbm.wire.motor_map import MotorMap
 from llsrbm.wire.unitree import UnitreeMessages
 from llsrbm.wire.unitree_layouts import FAMILIES
 
@@ -47,11 +49,6 @@ _UNITS = ("rad", "rad/s", "Nm", "Nm/rad", "Nm s/rad")
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     table = command_table(trajectory, options.fps, options.pad)
     motors = table.motors
-    if motors.family not in FAMILIES:
-        raise InputError(
-            f"robot {table.robot.name} has messages of family {motors.family} and no LowCmd; "
-            f"expected {' or '.join(FAMILIES)}"
-        )
     columns = (
         motors.positions(table.q),
         motors.speeds(table.dq),
@@ -76,6 +73,15 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     )
 
 
+def _fits(robot: Robot) -> None:
+    family = MotorMap.of(robot).family
+    if family not in FAMILIES:
+        raise InputError(
+            f"robot {robot.name} has messages of family {family} and no LowCmd; expected "
+            f"{' or '.join(FAMILIES)}"
+        )
+
+
 def _write_messages(table: CommandTable, path: Path) -> None:
     messages = UnitreeMessages(table.robot)
     packed = (messages.pack_command(table.row(k)).tobytes() for k in range(len(table.time)))
@@ -87,6 +93,7 @@ LOWCMD = Format(
     title="motor commands for Unitree's LowCmd: 500 rows/s of q, dq, tau, kp, kd by motor",
     suffix=".csv",
     write=_write,
+    fits=_fits,
     conventions=__doc__,
     options=("fps", "pad", "packed"),
     defaults=Options(fps=500.0),

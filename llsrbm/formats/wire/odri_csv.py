@@ -30,7 +30,9 @@ from llsrbm.errors import InputError
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.wire.numbers import write_numbers
 from llsrbm.motion.trajectory import Trajectory
+from llsrbm.robots import Robot
 from llsrbm.wire.command_table import CommandTable, command_table
+from llsrbm.wire.motor_map import MotorMap
 
 _FAMILY = "odri"
 _BLOCKS = {
@@ -44,11 +46,6 @@ _BLOCKS = {
 
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     table = command_table(trajectory, options.fps, options.pad)
-    if table.motors.family != _FAMILY:
-        raise InputError(
-            f"robot {table.robot.name} has messages of family {table.motors.family}; expected "
-            f"{_FAMILY}, a robot of the Open Dynamic Robot Initiative"
-        )
     joints = table.robot.joint_names
     header = ["time", *(f"{block}/{joint}" for block in _BLOCKS for joint in joints)]
     rows = np.column_stack([table.time, table.q, table.dq, table.tau, table.kp, table.kd])
@@ -62,6 +59,15 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
         columns=header,
         column_units=["s", *(unit for unit in _BLOCKS.values() for _ in joints)],
     )
+
+
+def _fits(robot: Robot) -> None:
+    family = MotorMap.of(robot).family
+    if family != _FAMILY:
+        raise InputError(
+            f"robot {robot.name} has messages of family {family}; expected {_FAMILY}, a robot of "
+            "the Open Dynamic Robot Initiative"
+        )
 
 
 def _configuration(table: CommandTable) -> dict[str, Any]:
@@ -89,6 +95,7 @@ ODRI_CSV = Format(
     title="joint commands for ODRI's robots (Solo12): 1000 rows/s of positions to gains",
     suffix=".csv",
     write=_write,
+    fits=_fits,
     conventions=__doc__,
     options=("fps", "pad"),
     defaults=Options(fps=1000.0),

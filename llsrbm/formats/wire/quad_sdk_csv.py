@@ -27,7 +27,9 @@ from llsrbm.formats.base import Format, Options
 from llsrbm.formats.wire.numbers import interleaved, write_numbers
 from llsrbm.formats.wire.quadruped import corner_legs
 from llsrbm.motion.trajectory import Trajectory
+from llsrbm.robots import Robot
 from llsrbm.wire.command_table import command_table
+from llsrbm.wire.motor_map import MotorMap
 
 _LEGS = ("FL", "RL", "FR", "RR")  # 0 to 3; the rear ones are called BL and BR there
 _UNITS = {
@@ -63,11 +65,17 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     )
 
 
+def _fits(robot: Robot) -> None:
+    corner_legs(robot, QUAD_SDK_CSV.name)
+    MotorMap.of(robot)
+
+
 QUAD_SDK_CSV = Format(
     name="quad-sdk-csv",
     title="leg commands of quad-sdk (LegCommandArray): 500 rows/s, FL, BL, FR, BR",
     suffix=".csv",
     write=_write,
+    fits=_fits,
     conventions=__doc__,
     options=("fps", "pad"),
     defaults=Options(fps=500.0),

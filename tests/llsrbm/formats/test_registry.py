@@ -1,13 +1,15 @@
 """Every format that is registered keeps its promises, whatever it is."""
 
 import json
+import re
 import zipfile
 from dataclasses import replace
 
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.formats import FORMATS, Options, export, file_name, find
+from llsrbm.formats import FORMATS, Options, availability, export, file_name, find
+from llsrbm.formats.pictures import video
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import load
 from llsrbm.robots import load_robot
@@ -178,8 +180,21 @@ def test_file_names(plan, format_):
     assert file_name(plan, [format_.name]) == f"{robot}-llsrbm-plus-plan{suffix}"
 
 
-@pytest.mark.parametrize("name", OF_OTHERS)
-def test_formats_of_other_robots(name, tmp_path):
-    with pytest.raises(InputError, match="robot go2 has messages of"):
-        export(made_by_hand("go2"), tmp_path / "x", format=name)
-    assert not list(tmp_path.iterdir())
+@pytest.mark.parametrize("robot", ["go2", "solo12", "slider", "anymal"])
+@pytest.mark.parametrize("name", ["lowcmd", "odri-csv", "quad-sdk-csv", "csv"])
+def test_what_is_not_available_is_refused_and_nothing_else(name, robot, tmp_path):
+    reason = availability(find(name), load_robot(robot))
+    own = {"lowcmd": ["go2"], "odri-csv": ["solo12"], "quad-sdk-csv": ["go2", "solo12"]}
+    assert (not reason) == (robot in own.get(name, [robot]))
+    if reason:
+        with pytest.raises(InputError, match=re.escape(reason)):
+            export(made_by_hand(robot), tmp_path / "x", format=name)
+        assert not list(tmp_path.iterdir())
+
+
+def test_a_machine_that_cannot_draw(monkeypatch):
+    monkeypatch.setattr(video, "find_library", lambda _: None)
+    video._check_machine.cache_clear()
+    monkeypatch.setattr(video.sys, "platform", "linux")
+    assert availability(find("gif")) == "no OpenGL without a screen"
+    video._check_machine.cache_clear()
