@@ -1,7 +1,4 @@
-"""The page as it is served: viser's, with a title of its own and our scripts before all others.
-
-Scripts that need the panel are sent to each tab later: those of the plots, and of dropped files.
-"""
+"""The page as it is served: viser's, with a title of its own and our scripts before all others."""
 
 from __future__ import annotations
 
@@ -12,13 +9,13 @@ from pathlib import Path
 import viser
 
 from app.guard.limits import MAX_UPLOAD
-from app.viser_private import run_javascript
 from llsrbm.errors import Error
 
 SCRIPTS = (
     "address.js",
     "graphics.js",
     "elements.js",
+    "layout.js",
     "page.js",
     "dialog.js",
     "player.js",
@@ -36,9 +33,9 @@ SCRIPTS = (
     "certificate.js",
     "tint.js",
     "plot_figure.js",
-    "plot_zoom.js",
-    "plot_drag.js",
+    "plots.js",
     "accessibility.js",
+    "file_drop.js",
 )
 """In the order in which they need each other."""
 
@@ -52,9 +49,9 @@ def page_html() -> bytes:
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
     if _TITLE not in page:
         raise Error(f"the page of viser {viser.__version__} has no place for our scripts")
-    scripts = "".join(
-        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in SCRIPTS
-    )
+    limits = f"window.llsrbm = {{ largestFile: {MAX_UPLOAD} }};\n"
+    sources = (limits, *((_FOLDER / name).read_text("utf-8") for name in SCRIPTS))
+    scripts = "".join(f"<script>\n{source}</script>\n" for source in sources)
     return page.replace(_TITLE, f"<title>Jump designer</title>\n{scripts}", 1).encode("utf-8")
 
 
@@ -67,9 +64,3 @@ def page_gzip() -> bytes:
 def page(gzipped: bool) -> bytes:
     """As the browser takes it."""
     return page_gzip() if gzipped else page_html()
-
-
-def accept_drops(client: viser.ClientHandle) -> None:
-    """Have a tab open files that are dropped on it by its upload button, the only one."""
-    script = (_FOLDER / "file_drop.js").read_text(encoding="utf-8")
-    run_javascript(client, f"window.llsrbmLargestFile = {MAX_UPLOAD};\n{script}")

@@ -75,7 +75,7 @@ class Clip:
         they can be mixed) and scales, as far as the JSON says that there are any.
         """
         arrays: list[Array] = []
-        strands = []
+        channels = []
         for channel in self.channels:
             arrays.append(channel.time)
             tracks = []
@@ -92,16 +92,16 @@ class Clip:
                         "scales": track.scale is not None,
                     }
                 )
-            strands.append({"frames": len(channel.time), "tracks": tracks})
+            channels.append({"frames": len(channel.time), "tracks": tracks})
         numbers = np.concatenate([np.ravel(a) for a in arrays]) if arrays else np.zeros(0)
         blob = base64.b64encode(numbers.astype("<f4").tobytes()).decode("ascii")
         target = self.camera_target
         header = {
             "end": self.end,
             "request": dict(self.request),
-            "sight": None if target is None else target.plain,
+            "camera_target": None if target is None else target.plain,
             "parts": self.parts,
-            "strands": strands,
+            "channels": channels,
         }
         return json.dumps(header), blob
 

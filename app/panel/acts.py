@@ -68,6 +68,13 @@ class Act(Enum):
     RESET_TUNING = Button(
         "limits", "Reset all", "Every weight and limit as the robot's file has it, or the jump type"
     )
+    ADD_CHART = Button(
+        "add chart", "Add chart", "Or drag this button, or a chart's title, onto a chart"
+    )
+    REMOVE_CHART = Button("charts", "Remove chart")
+    SAVE_LINES = Button(
+        "charts", "Download", "All lines that are shown, at their own instants, CSV"
+    )
     SAVE = Button(
         "files", "Save design", "Everything asked for as one small file to open here again"
     )
@@ -80,6 +87,9 @@ class Act(Enum):
     ATLAS = "atlas"
     PINNED = "pinned"
     FILES = "files"
+    EXAMPLE = "example"
+    PLOTS = "plots"
+    PLOT_AREA = "plot area"
 
 
 Put = Callable[[Act], None]  # Takes an act on viser's event loop; must return at once

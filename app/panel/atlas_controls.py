@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 
-from app.guard.validation import option, put
 from app.motion import colours
-from app.panel.acts import Act, Put, callback
+from app.panel.acts import Act, Put
+from app.panel.fields import Field, Fields
 from app.panel.html import note
 from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import Axis, words_of
@@ -47,77 +47,95 @@ class AtlasChoice:
         return x, y or next(axis for axis in varied if axis is not x)
 
 
+class _Menus(NamedTuple):
+    """What the dropdowns show."""
+
+    choice: AtlasChoice
+    varied: tuple[Axis, ...]  # by the sweep; none: there is no map
+
+    @property
+    def axes(self) -> tuple[Axis, Axis] | None:
+        return self.choice.axes(self.varied)
+
+    def heading(self, index: int) -> str:
+        return _NONE if self.axes is None else self.axes[index].heading
+
+    def with_axis(self, index: int, heading: str) -> _Menus:
+        """With another axis; choosing the other one swaps them."""
+        assert self.axes is not None
+        names = [axis.name for axis in self.axes]
+        chosen = next(axis.name for axis in self.varied if axis.heading == heading)
+        if chosen == names[1 - index]:
+            names.reverse()
+        names[index] = chosen
+        return self.having(x=names[0], y=names[1])
+
+    def having(self, **changes: Any) -> _Menus:
+        return self._replace(choice=replace(self.choice, **changes))
+
+
+def _axis_menu(index: int, hint: str) -> Field[_Menus]:
+    return Field(
+        "xy"[index],
+        hint,
+        get=lambda menus: menus.heading(index),
+        put=lambda menus, heading: menus.with_axis(index, heading),
+        options=lambda menus, _: [axis.heading for axis in menus.varied],
+        there=lambda menus: menus.axes is not None,
+        stays=True,
+    )
+
+
+def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
+    projections = {value: title for title, value in _PROJECTIONS.items()}
+    return (
+        Field(
+            "Sweep",
+            "Jumps that have been planned and simulated before",
+            get=lambda menus: menus.choice.sweep or sweeps[0],
+            put=lambda menus, name: menus.having(sweep=name),
+            options=tuple(sweeps),
+        ),
+        _axis_menu(0, "Axis to the right"),
+        _axis_menu(1, "Axis upwards"),
+        Field(
+            "Colour",
+            None,
+            get=lambda menus: COLOURS[menus.choice.colour].title,
+            put=lambda menus, title: menus.having(colour=_COLOURS[title]),
+            options=tuple(_COLOURS),
+        ),
+        Field(
+            "Other axes",
+            "The slice nearest to the present design, or all jumps of the sweep together",
+            get=lambda menus: projections[menus.choice.projection],
+            put=lambda menus, title: menus.having(projection=_PROJECTIONS[title]),
+            options=tuple(_PROJECTIONS),
+            there=lambda menus: len(menus.varied) > 2,
+        ),
+    )
+
+
 class AtlasControls:
     """Dropdowns and the place of the map, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, sweeps: Sequence[str], acted: Put) -> None:
-        self._sweeps = tuple(sweeps)
-        self._axes: dict[str, str] = {}  # title -> name
         self._map = gui.add_html(_MAP)
         self._note = gui.add_html("")
-        self._sweep = gui.add_dropdown(
-            "Sweep", self._sweeps, hint="Jumps that have been planned and simulated before"
-        )
-        self._x = gui.add_dropdown("x", (_NONE,), hint="Axis to the right")
-        self._y = gui.add_dropdown("y", (_NONE,), hint="Axis upwards")
-        self._colour = gui.add_dropdown("Colour", tuple(_COLOURS))
-        self._projection = gui.add_dropdown(
-            "Other axes",
-            tuple(_PROJECTIONS),
-            hint="The slice nearest to the present design, or all jumps of the sweep together",
-        )
-        menus: tuple[Any, ...] = (self._sweep, self._x, self._y, self._colour, self._projection)
-        for menu in menus:
-            menu.on_update(callback(acted, Act.ATLAS))
+        self._menus = _Menus(AtlasChoice(), ())
+        self._fields = Fields(gui, self._menus, None, acted, Act.ATLAS)
+        self._fields.add(*_menus(sweeps))
 
     def read(self, choice: AtlasChoice) -> AtlasChoice:
-        """The map as the controls stand; what is no option stays as it is chosen."""
-        ignored: list[str] = []
-        sweep = option("Sweep", self._sweep.value, self._sweeps, "", ignored)
-        colour = option("Colour", self._colour.value, tuple(_COLOURS), "", ignored)
-        projection = option("Other axes", self._projection.value, tuple(_PROJECTIONS), "", ignored)
-        x, y = (self._axes.get(str(handle.value), "") for handle in (self._x, self._y))
-        return self._with_axes(
-            replace(
-                choice,
-                sweep=sweep or choice.sweep,
-                colour=_COLOURS.get(colour, choice.colour),
-                projection=_PROJECTIONS.get(projection, choice.projection),
-            ),
-            x,
-            y,
-        )
+        """The map with what was moved; what is no option stays as it is chosen."""
+        menus, _ = self._fields.read(self._menus._replace(choice=choice), None)
+        return menus.choice
 
     def show(self, choice: AtlasChoice, varied: Sequence[Axis], remark: str) -> None:
         """Put the controls where a choice has them; without `varied` axes there is no map."""
-        put(self._sweep, choice.sweep or self._sweeps[0])
-        put(self._colour, COLOURS[choice.colour].title)
-        names = {value: title for title, value in _PROJECTIONS.items()}
-        put(self._projection, names[choice.projection])
-        self._axes = {axis.heading: axis.name for axis in varied}
-        chosen = choice.axes(tuple(varied))
-        for index, handle in enumerate((self._x, self._y)):
-            titles = tuple(self._axes) or (_NONE,)
-            if tuple(handle.options) != titles:
-                handle.options = titles
-            put(handle, chosen[index].heading if chosen else _NONE)
-        self._projection.visible = len(varied) > 2
+        self._menus = _Menus(choice, tuple(varied))
+        self._fields.show(self._menus, None)
         self._note.content = note(remark) if remark else ""
-
-    def _with_axes(self, choice: AtlasChoice, x: str, y: str) -> AtlasChoice:
-        """With these axes; choosing the other axis' one swaps them."""
-        before = choice.axes(tuple(_named(self._axes)))
-        if before is None or not x or not y:
-            return choice
-        if x == y:
-            x, y = (x, before[0].name) if y == before[1].name else (before[1].name, y)
-        if (x, y) == (before[0].name, before[1].name):
-            return choice  # also where others stand in for what the choice names
-        return replace(choice, x=x, y=y)
-
-
-def _named(axes: dict[str, str]) -> list[Axis]:
-    return [Axis(name, title) for title, name in axes.items()]
 
 
 _DIGITS = 4  # of what is sent: more than the eye tells apart

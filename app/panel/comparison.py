@@ -5,19 +5,40 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import NamedTuple
 
 import viser
 
-from app.guard.validation import put
 from app.motion.colours import Rgb
-from app.panel.acts import Act, Buttons, Put, add_buttons, callback
+from app.panel.acts import Act, Buttons, Put, add_buttons
+from app.panel.fields import Field, Fields
 from app.panel.html import DIM, SMALL, note, swatch
 from llsrbm.analysis.figure_table import FIGURES, Figure
 from llsrbm.analysis.figures import DesignFigures
 
 _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
-_NONE = "nothing pinned"
+
+
+class Pins(NamedTuple):
+    """What is pinned."""
+
+    titles: tuple[str, ...]
+    chosen: int  # number of one of them; -1: none
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Titles that differ."""
+        return tuple(f"{number}. {title}" for number, title in enumerate(self.titles, start=1))
+
+
+_PINNED: Field[Pins] = Field(
+    "Pinned",
+    None,
+    get=lambda pins: pins.names[max(pins.chosen, 0)],
+    put=lambda pins, name: pins._replace(chosen=pins.names.index(name)),
+    options=lambda pins, _: pins.names,
+    there=lambda pins: bool(pins.titles),
+)
 
 
 class ComparisonControls:
@@ -30,30 +51,25 @@ class ComparisonControls:
         )
         self.buttons: Buttons = add_buttons(gui, "pin", put_act)  # to pin and unpin
         self._table = gui.add_html("", visible=False)
-        self._choice = gui.add_dropdown("Pinned", (_NONE,), visible=False)
-        self._choice.on_update(callback(put_act, Act.PINNED))
+        self._pins = Pins((), -1)
+        self._fields = Fields(gui, self._pins, None, put_act, Act.PINNED)
+        self._fields.add(_PINNED)
         self.buttons |= add_buttons(gui, "pinned", put_act)
-        self._titles: tuple[str, ...] = ()
 
     @property
     def chosen(self) -> int:
         """Number of the pin that is chosen; -1 for none."""
-        value: Any = self._choice.value
-        return self._titles.index(value) if value in self._titles else -1
+        self._pins, _ = self._fields.read(self._pins, None)
+        return self._pins.chosen
 
     def show(self, current: Column | None, pinned: Sequence[Column], chosen: int) -> None:
         """Figures of the current design and of what is pinned, and which pin is chosen."""
-        there = len(pinned) > 0
-        self._table.content = (
-            comparison_table([*([current] if current else []), *pinned]) if there else ""
-        )
-        titles = tuple(f"{index}. {column.title}" for index, column in enumerate(pinned, start=1))
-        if titles != self._titles:
-            self._titles = titles
-            self._choice.options = titles or (_NONE,)
-        put(self._choice, titles[chosen] if 0 <= chosen < len(titles) else (titles or (_NONE,))[0])
-        self._empty.visible = not there
-        self._table.visible = self._choice.visible = there
+        columns = [*([current] if current else []), *pinned]
+        self._table.content = comparison_table(columns) if pinned else ""
+        self._pins = Pins(tuple(column.title for column in pinned), chosen)
+        self._fields.show(self._pins, None)
+        self._empty.visible = not pinned
+        self._table.visible = bool(pinned)
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,13 @@ from typing import Any
 import viser
 from viser import Icon
 
-from app.guard.validation import put
-from app.page_template import accept_drops
 from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Field, Fields
 from app.panel.html import SMALL, note
 from app.viser_private import take_upload
 from llsrbm.formats import FORMATS, ORDERS, Format, Options, readable
 from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
 
 SIMULATION, PLAN = "simulation", "plan"
 
@@ -150,14 +149,12 @@ class FileControls:
         client: viser.ClientHandle,  # whose tab
         examples: Mapping[str, Design],  # to choose from by their titles
         put_act: Put,  # called with acts
-        choose_example: Callable[[Design], None],  # called with the one that was chosen
         open_file: Callable[[str, bytes], None],  # called with a name and content, whatever it is
     ) -> None:
         """The callbacks are called on viser's event loop and must return at once."""
         gui = self._gui = client.gui
         self._put = put_act
         self._examples = {design.title: design for design in examples.values()}
-        self._choose_example = choose_example
         # the button that opens a file
         self.open = gui.add_upload_button(
             "Open",
@@ -166,9 +163,8 @@ class FileControls:
             icon=Icon.FOLDER_OPEN,
         )
         self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
-        self.fields.add([FORMAT])
+        self.fields.add(FORMAT)
         self.buttons: Buttons = add_buttons(gui, "export", put_act)  # so far
-        accept_drops(client)
 
         # Asynchronous, so that it runs on the event loop, in order.
         @self.open.on_upload
@@ -191,38 +187,34 @@ class FileControls:
     def add_tab(self) -> None:
         """Add examples, the design's file and how motions are written, in the open container."""
         gui = self._gui
-        self._example = gui.add_dropdown("Example", (_NO_EXAMPLE, *self._examples))
-        self.fields.add([RATE])
+        # the design, an example or another one
+        self.design = Fields(gui, Design(Jump()), None, self._put, Act.EXAMPLE)
+        self.design.add(
+            Field(
+                "Example",
+                None,
+                get=lambda design: design.title if design.title in self._examples else _NO_EXAMPLE,
+                put=lambda design, title: self._examples.get(title, design),
+                options=(_NO_EXAMPLE, *self._examples),
+            )
+        )
+        self.fields.add(RATE)
         self.buttons |= add_buttons(gui, "files", self._put)
-        self.fields.add(OPTIONS[:1])
+        self.fields.add(OPTIONS[0])
         self._line = gui.add_html("")
-        self.fields.add(OPTIONS[1:])
+        self.fields.add(*OPTIONS[1:])
         with gui.add_folder("Several in one zip", expand_by_default=False):
-            self.fields.add(ALSO)
+            self.fields.add(*ALSO)
 
-        @self._example.on_update
-        async def _(event: viser.GuiEvent[Any]) -> None:
-            # Without a client, it was `show` that set the value; a script may send any value.
-            value = event.target.value
-            if event.client_id is not None and isinstance(value, str) and value in self._examples:
-                self._choose_example(self._examples[value])
-
-    def show_design(self, title: str, text: str) -> None:
-        """Show an example as chosen by its title, and a text on the design, or on a file."""
-        put(self._example, title if title in self._examples else _NO_EXAMPLE)
+    def show(self, design: Design, text: str, choice: FileChoice, busy: str) -> None:
+        """The design as an example, if it is one; a text on it, or on a file; the options of an
+        export; and the file that is being read or written, "" for none.
+        """
+        self.design.show(design, None)
+        self.fields.show(choice, choice)
         self._note.content = note(text)
         self._note.visible = bool(text)
-
-    def show_choice(self, choice: FileChoice, *, anew: bool) -> None:
-        """Show the controls that a choice has; `anew`: and put them where it has them."""
-        if anew:
-            self.fields.show(choice, choice)
-        else:
-            self.fields.show_there(choice)
         self._line.content = f'<div style="{SMALL}">{escape(_line(FORMATS[choice.format]))}</div>'
-
-    def show_busy(self, busy: str) -> None:
-        """The file that is being read or written; "": none."""
         self._busy.content = f'<div role="alert" style="{SMALL}">{escape(busy)}</div>'
         self._busy.visible = bool(busy)
 

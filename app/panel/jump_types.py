@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection
 from dataclasses import replace
+from typing import Any
 
 from llsrbm.errors import InputError
 from llsrbm.request import jump_types
@@ -34,6 +35,11 @@ def title_of_type(name: str) -> str:
     """As in menus and messages; the name itself of a type that is no preset."""
     known = jump_types.names()
     return known[name].title if name in known else name
+
+
+def type_of_title(title: str, otherwise: str) -> str:
+    """The name of the type with this title."""
+    return next((n for n, kind in jump_types.names().items() if kind.title == title), otherwise)
 
 
 def not_supported(robot: Robot, name: str) -> str:
@@ -76,10 +82,13 @@ def turn_title(jump: Jump) -> str:
     return ", ".join(f"{field} {angle}°" for field, angle in shown.items() if angle) or "none"
 
 
-def turn_amounts(title: str) -> dict[str, float]:
-    """Fields of `Jump` that make a turn of the menu."""
+def with_turn(jump: Jump, title: str) -> Jump:
+    """The request with a turn of the menu; with its own by another title."""
+    if title not in _TURNS:
+        return jump
     field, angle = _TURNS[title]
-    return {"pitch": 0.0, "roll": 0.0, field: angle}
+    amounts: dict[str, Any] = {"pitch": 0.0, "roll": 0.0, field: angle}
+    return replace(jump, **amounts)
 
 
 def _turns(kind: JumpType) -> set[str]:

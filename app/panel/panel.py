@@ -19,10 +19,12 @@ from app.panel.certificate import certificate_table
 from app.panel.comparison import ComparisonControls
 from app.panel.file_controls import FileControls
 from app.panel.jump_controls import JumpControls
+from app.panel.plot_controls import PlotControls
 from app.panel.scenario_controls import ScenarioControls
 from app.panel.status import Status
 from app.panel.tuning import TuningControls
 from app.panel.view_controls import View, ViewControls
+from app.plots.choice import PlotChoice
 from app.viser_private import uuid_of
 from llsrbm.certificate import Certificate
 from llsrbm.motion.plan import Plan
@@ -45,20 +47,20 @@ class Panel:
     def __init__(
         self,
         client: viser.ClientHandle,  # whose tab
-        design: Design,  # design, view: to start from
+        design: Design,  # design, view, plots: to start from
         view: View,
+        plots: PlotChoice,
         robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
         examples: Mapping[str, Design],  # to choose from
         sweeps: Sequence[str],  # names of the sweeps whose atlases can be chosen
         *,
         put: Put,  # called with what the visitor did
-        choose_example: Callable[[Design], None],  # called with the one that was chosen
         open_file: Callable[[str, bytes], None],  # called with the name and content of a file
     ) -> None:
         """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
         self.buttons = add_buttons(gui, "history", put)  # all of them, by their acts
-        self.files = FileControls(client, examples, put, choose_example, open_file)
+        self.files = FileControls(client, examples, put, open_file)
         self.jump = JumpControls(gui, design.jump, robots, put)
         self._status = gui.add_html("")
         self.buttons |= add_buttons(gui, "verdict", put)
@@ -77,7 +79,8 @@ class Panel:
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
-        self.plots_tab = tabs.add_tab("Plots")  # the container for the controls of the plots
+        with tabs.add_tab("Plots"):
+            self.plots = PlotControls(gui, plots, put)
         with tabs.add_tab("Files"):
             self.files.add_tab()
         with tabs.add_tab("More"):
@@ -88,20 +91,21 @@ class Panel:
             with gui.add_folder("Help", expand_by_default=False):
                 gui.add_html(html.TOUR_BUTTON)
                 gui.add_markdown(_HELP.read_text(encoding="utf-8"))
-        for group in (self.files, self.scenario, self.comparison, self.tuning):
+        for group in (self.files, self.scenario, self.comparison, self.plots, self.tuning):
             self.buttons |= group.buttons
 
     @property
     def arrangement(self) -> dict[str, str | list[str]]:
         """Uuids of the controls that stand in rows (static/panel.js)."""
+        robot, model, kind, arms = map(uuid_of, self.jump.menus)
         icons = [self.buttons[act] for act in (Act.UNDO, Act.REDO, Act.SHARE)]
         return {
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
-            "menus": [uuid_of(menu) for menu in self.jump.robot_and_model],
-            "armed": [uuid_of(menu) for menu in self.jump.type_and_arms],
+            "menus": [robot, model],
+            "armed": [kind, arms],
             "main": uuid_of(self.buttons[Act.SIMULATE]),
             "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }

@@ -11,10 +11,9 @@ from typing import Any
 
 import viser
 
-from app.guard.validation import put
 from app.panel import summaries
-from app.panel.acts import Act, Buttons, Put, add_buttons, callback
-from app.panel.fields import Ends, Field, Fields
+from app.panel.acts import Act, Buttons, Put, add_buttons
+from app.panel.fields import Ends, Field, Fields, switch
 from app.panel.html import note
 from app.panel.status import SeedResult
 from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
@@ -157,27 +156,16 @@ class ScenarioControls:
     def __init__(self, gui: viser.GuiApi, file: RobotFile, acted: Put) -> None:
         self.fields = Fields(gui, Scenario(), file, acted, Act.SCENARIO)  # of the table
         gui.add_html('<div class="llsrbm-scenario llsrbm-wide"></div>')
-        self._automatic = gui.add_checkbox(
-            AUTOMATICALLY,
-            False,
-            hint="After every change, once it was simulated: ticked by itself where that is quick",
+        # whether every change is simulated
+        self.automatic = switch(
+            gui, AUTOMATICALLY, "Re-simulate after each change", acted, Act.AUTOMATIC
         )
-        self._automatic.on_update(callback(acted, Act.AUTOMATIC))
-        self.fields.add((*BOARD, *PUSH))
+        self.fields.add(*BOARD, *PUSH)
         self.buttons: Buttons = add_buttons(gui, "push", acted)  # between them
-        self.fields.add(DISTURBANCE)
+        self.fields.add(*DISTURBANCE)
         self.buttons |= add_buttons(gui, "seeds", acted)
         self._results = gui.add_html(_wide(note(_NO_SEEDS)))
         self.buttons |= add_buttons(gui, "worst", acted)
-
-    @property
-    def automatic(self) -> bool:
-        """Whether to simulate after every change, as the box stands."""
-        return self._automatic.value is True
-
-    def show_automatic(self, ticked: bool) -> None:
-        """Whether every change is simulated."""
-        put(self._automatic, ticked)
 
     def show_seeds(self, results: Sequence[SeedResult], worst_seed: int | None) -> None:
         """The outcomes of several seeds; the worst of them is marked."""

@@ -68,9 +68,9 @@ class ViewControls:
         for group in Group:
             gui.add_html(html.heading(group.value))
             overlays = [name for name, each in OVERLAYS.items() if each.group is group]
-            self.fields.add([BOXES[name] for name in overlays])
+            self.fields.add(*(BOXES[name] for name in overlays))
         gui.add_html(html.heading("Page"))
-        self.fields.add(SWITCHES)
+        self.fields.add(*SWITCHES)
 
     def swatches(self, picture: Picture) -> dict[str, list[str]]:
         """The colours of each overlay's box, by its uuid, as CSS; none: it shows nothing now."""

@@ -19,6 +19,13 @@ _LINE = 3.0  # pixels
 
 
 @dataclass(frozen=True)
+class HandleMoved:
+    """The handle was moved, or let go of; it is read as it stands when this is taken."""
+
+    held: bool
+
+
+@dataclass(frozen=True)
 class LandingDragged:
     """Where the handle was dragged to."""
 
@@ -43,8 +50,8 @@ class LandingHandle:
 
     node = "/goal"  # its name in the scene
 
-    def __init__(self, client: viser.ClientHandle, moved: Callable[[LandingDragged], None]) -> None:
-        """Hidden; `moved` is called from viser's thread and must return at once."""
+    def __init__(self, client: viser.ClientHandle, put: Callable[[HandleMoved], None]) -> None:
+        """Hidden; `put` is called on viser's event loop and must return at once."""
         self._target: Jump | None = None
         self._robot: Robot | None = None
         self._held = False
@@ -58,12 +65,14 @@ class LandingHandle:
 
         @self._handle.on_update
         async def _(event: viser.TransformControlsEvent) -> None:
-            self._held = event.phase != "end"
-            # Wherever it was let go: the next drawing puts it where the target is.
-            self._target = None
-            dragged = read_pose(self._handle.wxyz, self._handle.position)
-            if dragged is not None:
-                moved(dragged)
+            put(HandleMoved(event.phase != "end"))
+
+    def read(self, moved: HandleMoved) -> LandingDragged | None:
+        """Where it stands; None if a script has put it nowhere."""
+        self._held = moved.held
+        # Wherever it was let go: the next drawing puts it where the target is.
+        self._target = None
+        return read_pose(self._handle.wxyz, self._handle.position)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> None:
         """Stand where a jump shall land, unless it is being dragged; no jump or robot: hidden."""

@@ -6,6 +6,7 @@ import csv
 import io
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from enum import Enum
 from functools import cached_property
 
 import numpy as np
@@ -22,7 +23,7 @@ from llsrbm.motion.rollout import Rollout
 LIMIT: Rgb = colours.REFERENCE
 
 SOLID: tuple[float, ...] = ()
-DASHED = (4.0, 4.0)  # Pixels drawn and left out, of limits and of second curves
+DASHED = (4.0, 4.0)  # Pixels drawn and left out, of limits, of second curves, of detections
 
 # Lines by the motion: solid is what is drawn solid in the picture.
 _PLAN_DASH = (8.0, 3.0)  # of a plan that is a ghost beside its simulation
@@ -82,6 +83,14 @@ def pinned_layer(
     return Layer(title, colour, motion, rollout, pinned=True, dash=dash)
 
 
+class Role(Enum):
+    """What a line of a chart is."""
+
+    MOTION = "motion"  # a quantity of the motion
+    SECOND = "second"  # the same quantity by another model
+    LIMIT = "limit"  # a limit or a threshold, of no motion
+
+
 @dataclass(frozen=True, eq=False)
 class Line:
     """One curve of a chart."""
@@ -93,6 +102,7 @@ class Line:
     dash: tuple[float, ...]  # of the motion: pixels drawn and left out, in turn
     time: Array  # (K,) s, increasing
     values: Array  # (K,)
+    role: Role = Role.MOTION
 
     @property
     def name(self) -> str:
@@ -174,7 +184,7 @@ def _together(chosen: ChartChoice, parts: Sequence[Chart]) -> Chart:
     lines: list[Line] = []
     for part in parts:
         for line in part.lines:
-            if line.colour == LIMIT:
+            if line.role is Role.LIMIT:
                 lines.append(line)
                 continue
             name = f"{part.title} {line.component}".rstrip()
@@ -217,20 +227,15 @@ def _chart(source: ChartChoice, sampled: _Sampled, names: tuple[str, ...], of: s
         lines += _lines(layer, samples, names, layer.title)
     for layer, _ in sampled:
         if signal.also is not None and layer.rollout is None and not layer.pinned:
-            lines += _lines(layer, signal.also(layer.series), names, signal.also_title, DASHED)
+            second = _lines(layer, signal.also(layer.series), names, signal.also_title)
+            lines += [replace(line, dash=DASHED, role=Role.SECOND) for line in second]
     level = _level(signal, sampled, lines)
     units = dict.fromkeys(line.unit for line in lines if line.unit)
     title = f"{signal.title}, {only}" if only and only != ALL_JOINTS else signal.title
     return Chart(source, title, " or ".join(units), (*level, *lines), signal.least, signal.most)
 
 
-def _lines(
-    layer: Layer,
-    samples: Samples,
-    names: tuple[str, ...],
-    title: str,
-    dash: tuple[float, ...] | None = None,
-) -> Iterator[Line]:
+def _lines(layer: Layer, samples: Samples, names: tuple[str, ...], title: str) -> Iterator[Line]:
     columns = {component.name: k for k, component in enumerate(samples.components)}
     for name in names:
         if name not in columns:
@@ -240,7 +245,7 @@ def _lines(
             name if len(names) > 1 else "",
             samples.components[columns[name]].unit,
             component_colour(columns[name]) if len(names) > 1 else layer.colour,
-            layer.dash if dash is None else dash,
+            layer.dash,
             samples.time,
             samples.values[:, columns[name]],
         )
@@ -261,7 +266,8 @@ def _level(signal: Signal, sampled: _Sampled, lines: Sequence[Line]) -> list[Lin
         return []
     ends = np.array([[line.time[0], line.time[-1]] for line in lines])
     across = np.array([ends[:, 0].min(), ends[:, 1].max()])
-    return [Line(signal.level_title, "", "", LIMIT, DASHED, across, np.full(2, known[-1]))]
+    values = np.full(2, known[-1])
+    return [Line(signal.level_title, "", "", LIMIT, DASHED, across, values, Role.LIMIT)]
 
 
 def csv_of(layers: Sequence[Layer], choice: PlotChoice) -> bytes:

@@ -40,6 +40,7 @@ class PlotChoice:
     landing: bool = False  # the time axis shows the touchdown closely
     open: bool = True  # the area with the charts is
     offered: ChartChoice = ChartChoice("com")  # the chart that would be added next
+    removable: ChartChoice | None = None  # that would be removed next; None: the last one
 
     @property
     def preset(self) -> str:
@@ -72,9 +73,15 @@ class PlotChoice:
         charts = (joined if chart == onto else chart for chart in self.charts if chart != dropped)
         return replace(self, charts=tuple(dict.fromkeys(charts)))
 
-    def without(self, index: int) -> PlotChoice:
-        """Without one chart."""
-        return replace(self, charts=self.charts[:index] + self.charts[index + 1 :])
+    @property
+    def to_remove(self) -> ChartChoice:
+        """The chart that would be removed next; there is one."""
+        return self.removable if self.removable in self.charts else self.charts[-1]
+
+    def without_removed(self) -> PlotChoice:
+        """Without the chart that was to be removed, if there is any."""
+        charts = tuple(chart for chart in self.charts if chart != self.to_remove)
+        return replace(self, charts=charts, removable=None)
 
     def with_joints(self, kind: str) -> PlotChoice:
         """With the loads of one kind of joints, or of `ALL_JOINTS`."""

@@ -9,7 +9,7 @@ import viser
 from viser import uplot
 
 from app.motion import colours
-from app.plots.charts import DASHED, Chart, Line, Look
+from app.plots.charts import Chart, Line, Look, Role
 from app.plots.figure import Figure
 from llsrbm.mechanics import Array
 
@@ -20,6 +20,8 @@ _GREY = (128, 128, 128)  # is seen on white and on viser's dark panel
 _SHADE = colours.css(_GREY, 0.15)  # of the flight
 _LINE_SCALE, _MARK_SCALE = "y", "marks"
 _WIDTH = 1.5  # pixels
+# What a line is, for static/plots.js: the values of what is aside are in the box alone.
+_KINDS = {Role.MOTION: "curve", Role.SECOND: "curve aside", Role.LIMIT: "curve aside"}
 _STYLE = "padding:0.2em 0.9em;font-size:0.8em;line-height:1.5"
 
 Scales = dict[str, uplot.Scale]
@@ -109,12 +111,12 @@ def _series(drawn: Figure, chart: Chart) -> tuple[uplot.Series, ...]:
     return (
         uplot.Series(label="s"),
         flight,
-        *(_stroked(line, _MARK_SCALE, 1.0) for line in drawn.marks),
-        *(_stroked(line, _LINE_SCALE, _WIDTH) for line in chart.lines),
+        *(_stroked(line, _MARK_SCALE, 1.0, "mark") for line in drawn.marks),
+        *(_stroked(line, _LINE_SCALE, _WIDTH, _KINDS[line.role]) for line in chart.lines),
     )
 
 
-def _stroked(line: Line, scale: str, width: float) -> uplot.Series:
+def _stroked(line: Line, scale: str, width: float, kind: str) -> uplot.Series:
     series = uplot.Series(
         label=line.name,
         scale=scale,
@@ -122,6 +124,7 @@ def _stroked(line: Line, scale: str, width: float) -> uplot.Series:
         width=width,
         points=_NO_POINTS,
     )
+    series["class"] = kind
     if line.dash:
         series["dash"] = line.dash
     return series
@@ -137,7 +140,9 @@ def legend(drawn: Figure) -> str:
     """
     lines = [line for chart in drawn.charts for line in chart.lines]
     motions: dict[str, Line] = {}
-    for line in sorted(lines, key=lambda line: (line.dash == DASHED, bool(line.component))):
+    for line in sorted(
+        lines, key=lambda line: (line.role is not Role.MOTION, bool(line.component))
+    ):
         motions.setdefault(line.title, line)
     keys = [
         *(_key_of_motion(each) for each in motions.values()),

@@ -1,16 +1,12 @@
 // Names for what viser leaves nameless, so that a screen reader can say what a control is: sliders
-// and the numbers beside them, icons, and the buttons that fold the panel and what is in it. Follows the page as viser
-// changes it, a few times a second at most.
+// and the numbers beside them, icons, and the buttons that fold the panel and what is in it.
 (() => {
-  const SETTLE = 250; // ms without a change until names are given
   const LABELLED = ".mantine-Flex-root:has(label)"; // a row: a label, then its control
   const NUMBERS = "input.mantine-NumberInput-input, input.mantine-TextInput-input";
   const FOCUSABLE = "a, button, input, select, [tabindex]:not([tabindex='-1'])";
   const NAMED = "aria-label";
 
   const FOLDED = ".mantine-Paper-root > .mantine-Paper-root:first-child"; // the title of a folder
-
-  let later = null;
 
   function name(thing, text) {
     if (thing && text && thing.getAttribute(NAMED) !== text) thing.setAttribute(NAMED, text);
@@ -95,20 +91,14 @@
   }
 
   function nameAll() {
-    later = null;
     nameParts();
     reachScrolling();
     nameSliders();
-    window.llsrbm.tint.draw();
     nameFields();
     nameIcons();
     titleIcons();
     openFolders();
   }
 
-  document.addEventListener("DOMContentLoaded", () => {
-    new MutationObserver(() => (later ??= setTimeout(nameAll, SETTLE)))
-      .observe(document.body, { childList: true, subtree: true });
-    nameAll();
-  });
+  window.llsrbm.layout.onChange(nameAll);
 })();

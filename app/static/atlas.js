@@ -2,9 +2,8 @@
 // (app/panel/atlas_controls.py). The pointer or the arrow keys choose a cell, whose jump is described
 // below the map; a click or Enter opens it.
 (() => {
-  const { page, element, shape, addToPage } = window.llsrbm;
+  const { page, layout, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";
-  const LOOK_EVERY = 300; // ms; viser makes the place anew whenever its tab is opened
   const REQUEST_EVERY = 3000; // ms until a server that has sent no map is requested again
   const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
   const TICKS = 5; // about so many an axis
@@ -226,6 +225,7 @@
     if (!version && performance.now() - requested > REQUEST_EVERY) {
       requested = performance.now();
       page.send({ kind: "atlas-seen" });
+      setTimeout(layout.soon, REQUEST_EVERY);
     }
     if (version && target.getAttribute("data-version") !== String(version)) draw(target);
   }
@@ -261,7 +261,7 @@
   }
 
   addToPage(STYLE);
-  setInterval(look, LOOK_EVERY);
+  layout.onChange(look);
 
   window.llsrbm.atlas = {
     show(sent) {

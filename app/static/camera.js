@@ -1,7 +1,7 @@
 // The camera: views, following, a picture as a file; its buttons at the picture's top left, and the
-// backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `Sight`).
+// backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `CameraTarget`).
 (() => {
-  const { player, element, addToPage, lacking, listenToKeys } = window.llsrbm;
+  const { player, layout, element, addToPage, lacking, listenToKeys } = window.llsrbm;
   const AROUND = [0.62, -0.95, 0.34]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
@@ -20,7 +20,7 @@
     canvas[data-engine] { background: linear-gradient(#a9bccf 0%, #d3dde6 40%, #dde4ea 60%); }
     [data-mantine-color-scheme=dark] canvas[data-engine] {
       background: linear-gradient(#0b0f15 0%, #141b25 38%, #1d2530 60%); }
-    #llsrbm-camera { position: fixed; z-index: 4; display: none; gap: 2px; padding: 3px;
+    #llsrbm-camera { left: 10px; top: 10px; display: none; gap: 2px; padding: 3px;
       border-radius: 6px; color: var(--mantine-color-text); background: var(--mantine-color-body);
       border: 1px solid var(--mantine-color-default-border); }
     #llsrbm-camera button { display: grid; place-items: center; width: 28px; height: 28px;
@@ -34,7 +34,7 @@
     #llsrbm-transport {
       background: color-mix(in srgb, var(--mantine-color-body) 99.5%, transparent) !important; }`;
 
-  // A cube with the side that is looked at filled, a frame, a robot held in sight, a camera.
+  // A cube with the side that is looked at filled, a frame, a robot that is followed, a camera.
   const CUBE = '<path d="M3 6.5 10 3l7 3.5v7L10 17l-7-3.5zM3 6.5l7 3.5 7-3.5M10 10v7"/>';
   const FILLED = 'fill="currentColor" fill-opacity=".45" stroke="none"';
   const ICONS = {
@@ -46,8 +46,8 @@
     picture: '<path d="M2.5 6h3.5l1.5-2h5L14 6h3.5v10h-15z"/><circle cx="10" cy="11" r="3"/>',
   };
 
-  let sight = null, framed = null, moved = false, follows = false, followed = null;
-  let listensTo = null;
+  let cameraTarget = null, framed = null, moved = false, follows = false, followed = null;
+  let listensTo = null, later = 0;
 
   const viewer = () => window.__viserMutable;
   const missing = () => lacking(viewer(), needs);
@@ -119,8 +119,8 @@
   // ---- what it does
 
   function look(name, smoothly = true) {
-    if (!sight || missing().length) return;
-    const { place, target } = fit(sight, VIEWS[name]);
+    if (!cameraTarget || missing().length) return;
+    const { place, target } = fit(cameraTarget, VIEWS[name]);
     const [from, at] = [rooted(place), rooted(target)];
     const control = viewer().cameraControl;
     // viser: `setLookAt` without a transition seems to break later ones.
@@ -129,7 +129,7 @@
       control.setPosition(...from, false);
       control.setTarget(...at, false);
     }
-    framed = sight;
+    framed = cameraTarget;
     moved = name !== "all";
     followed = null;
     viewer().requestRender();
@@ -142,16 +142,16 @@
 
   // Moved by as much as the base: however one looks at it, it stays there in the picture.
   function follow() {
-    if (!follows || !sight || missing().length) return;
-    const now = place(sight.follow);
-    if (now && followed?.node === sight.follow) {
+    if (!follows || !cameraTarget || missing().length) return;
+    const now = place(cameraTarget.follow);
+    if (now && followed?.node === cameraTarget.follow) {
       const by = rooted(plus(now, followed.place, -1));
       if (Math.hypot(...by) > 0) {
         const control = viewer().cameraControl;
         control.moveTo(...plus(numbers(control.getTarget()), by), false);
       }
     }
-    followed = now && { node: sight.follow, place: now };
+    followed = now && { node: cameraTarget.follow, place: now };
   }
 
   function setFollows(value) {
@@ -195,18 +195,23 @@
   // Called by the player with every clip. Another robot is looked at anew; as long as nobody has
   // moved the camera, so is a motion that leaves the picture.
   function show(next) {
-    sight = next ?? null;
+    cameraTarget = next ?? null;
+    bar.style.display = cameraTarget ? "flex" : "none";
     attend();
   }
 
   function attend() {
-    if (!sight || window.llsrbm.parts?.pulls || missing().length) return;
+    clearTimeout(later);
+    if (!cameraTarget || window.llsrbm.parts?.pulls) return;
+    // viser fills some fields when it has drawn first.
+    if (missing().length) return void (later = setTimeout(attend, 100));
     if (listensTo !== viewer().cameraControl) {
       listensTo = viewer().cameraControl;
       listensTo.addEventListener("controlstart", () => (moved = true));
+      listensTo.addEventListener("update", () => window.llsrbm.parts?.look());
     }
-    if (sight.follow !== framed?.follow) look("all", false);
-    else if (!moved && !follows && !inSight(sight)) look("all");
+    if (cameraTarget.follow !== framed?.follow) look("all", false);
+    else if (!moved && !follows && !inSight(cameraTarget)) look("all");
   }
 
   // ---- buttons and keys
@@ -229,30 +234,26 @@
     ...Object.values(buttons));
   buttons.follow.setAttribute("aria-pressed", false);
 
-  // At the canvas' corner, however the panel is docked; a canvas of another size shows all again.
+  // A picture of another size shows all again; what a hand holds stays where it is.
   let size = "";
-  function stay() {
-    const canvas = viewer()?.canvas;
-    if (!canvas || !sight || window.llsrbm.parts?.pulls) return; // what a hand holds stays there
-    const box = canvas.getBoundingClientRect();
-    Object.assign(bar.style, {
-      display: "flex", left: `${box.left + 10}px`, top: `${box.top + 10}px`,
-    });
-    if (sight.follow !== framed?.follow) attend();
-    const now = [box.width, box.height, JSON.stringify(free())].join();
+  function resize({ width, height }) {
+    if (!cameraTarget || window.llsrbm.parts?.pulls) return;
+    const now = [width, height, JSON.stringify(free())].join();
     if (size && size !== now && !moved && !follows) look("all", false);
     size = now;
   }
 
   listenToKeys(Object.fromEntries(ACTS.map(([, , key, act]) => [key, () => act()])),
-    (event) => sight && !event.repeat);
-  addToPage(STYLE, bar);
-  setInterval(stay, 250);
+    (event) => cameraTarget && !event.repeat);
+  addToPage(STYLE);
+  layout.over.append(bar);
+  layout.onMove(resize);
+  window.llsrbm.require(missing);
   player.listen(follow);
 
   window.llsrbm.camera = {
     show, look, photograph, needs, missing, setFollows,
     get follows() { return follows; },
-    get sight() { return sight; },
+    get target() { return cameraTarget; },
   };
 })();

@@ -1,6 +1,6 @@
 // Helpers of the other scripts: elements, and keys.
 (() => {
-  const llsrbm = (window.llsrbm ??= { software: false });
+  const llsrbm = window.llsrbm;
   llsrbm.shortcuts = true;
   const SVG = Object.assign(document.createElement("template"), { innerHTML: "<svg></svg>" })
     .content.firstChild.namespaceURI;

@@ -1,9 +1,7 @@
 // Opens files that are dropped anywhere on the page, through the panel's upload button, and keeps
 // files from being sent that are too large. Leans on the file input of viser's upload button.
 (() => {
-  const LIMIT = window.llsrbmLargestFile; // bytes
-  if (window.llsrbmDropsFiles) return;
-  window.llsrbmDropsFiles = true;
+  const { element, addToPage, largestFile } = window.llsrbm; // bytes
 
   const one = (file) => {
     const list = new DataTransfer();
@@ -16,11 +14,10 @@
   window.addEventListener("change", (event) => {
     const input = event.target;
     const file = input instanceof HTMLInputElement && input.type === "file" && input.files[0];
-    if (!file || file.size <= LIMIT) return;
+    if (!file || file.size <= largestFile) return;
     input.files = one(new File([], file.name, { type: "application/x-too-large" }));
   }, true);
 
-  const { element } = window.llsrbm;
   const veil = element("div", {
     id: "llsrbm-drop",
     style: "position:fixed;inset:0;z-index:10000;display:none;pointer-events:none;" +
@@ -30,7 +27,7 @@
     style: "font:600 17px sans-serif;color:#fff;background:rgb(62,78,99);" +
       "padding:0.7em 1.1em;border-radius:0.4em",
   }, "Drop a design, plan, simulation or motion file to open it"));
-  document.body.append(veil);
+  addToPage("", veil);
   const show = (visible) => { veil.style.display = visible ? "flex" : "none"; };
   const holdsFiles = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
 

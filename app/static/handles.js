@@ -2,7 +2,6 @@
 // one an axis, and puts these back after each touch of the pointer.
 (() => {
   const OWN = [0xff2060, 0x20df80, 0x2080ff]; // drei's PivotControls: x, y, z
-  const LOOK_EVERY = 250; // ms; a handle that was hidden is made anew
   const colours = {}; // by the handle's node
 
   function paint(material, colour) {
@@ -26,7 +25,8 @@
       });
     if (painted) viewer.requestRender();
   }
-  setInterval(look, LOOK_EVERY);
+  // A handle that was hidden is made anew, and what it belongs to is drawn.
+  window.llsrbm.player.listen(look);
 
   window.llsrbm.handles = {
     paint(node, colour) {

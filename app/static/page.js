@@ -6,16 +6,13 @@
   const TAB = "llsrbm.tab", DESIGN = "llsrbm.design", PREFERENCES = "llsrbm.preferences"; // names in the browser's storage
   const SHARED = "#design=";
 
-  const llsrbm = (window.llsrbm ??= { software: false });
+  const llsrbm = window.llsrbm;
   const hidden = {}; // storage for a browser that forbids it
   let field = null, count = 0;
 
   const needs = []; // functions that return the names of missing fields
   llsrbm.require = (check) => needs.push(check);
-  const missing = () => [...new Set([
-    ...needs.flatMap((check) => check()),
-    ...(llsrbm.camera?.missing() ?? []), ...(window.llsrbmPlots?.missing() ?? []),
-  ])];
+  const missing = () => [...new Set(needs.flatMap((check) => check()))];
 
   // Those of the paths, such as "camera.fov", at which an object has nothing.
   llsrbm.lacking = (object, paths) => paths.filter((path) =>

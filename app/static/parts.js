@@ -9,7 +9,7 @@
   const PULLED_WITHIN = 60, TIP_WITHIN = 22; // pixels of any part, and of a push's tip
   const TIP = "/push/tip"; // app/picture/push_handle.py
   const CLICK = 4; // pixels that a hand trembles
-  const ASKED_AFTER = 90, ASKED_AGAIN = 1000, LOOK_EVERY = 150, PULL_EVERY = 60; // ms
+  const ASKED_AFTER = 90, ASKED_AGAIN = 1000, PULL_EVERY = 60; // ms
   const FARTHEST = 3; // m that a hand pulls
 
   const STYLE = `
@@ -41,7 +41,7 @@
 
   let known = new Map(); // what parts do, of the clip that is played
   let part = null; // that is pointed at, or kept
-  let kept = false, asking = null, askedAt = 0, drawn = null, at = [0, 0];
+  let kept = false, asking = null, drawn = null, at = [0, 0];
   let rests = false; // whether the pointer is in the picture, with no button down
   let pressed = null; // where a button went down
   let pull = null, pulledAt = 0;
@@ -99,15 +99,17 @@
   }
 
   function ask() {
+    clearTimeout(asking);
     if (!part || known.has(part.name)) return;
-    askedAt = performance.now();
     page.send({ kind: "part", part: part.name });
+    // There is no answer as long as the server has no motion to read it from.
+    asking = setTimeout(ask, ASKED_AGAIN);
   }
 
-  // There is no answer as long as the server has no motion to read it from.
+  // The motion or the camera has moved.
   function look() {
     if (rests && !kept && !pull && !player.playing) point(pick(at), at);
-    if (part && performance.now() - askedAt > ASKED_AGAIN) ask();
+    else if (part) refresh();
   }
 
   const written = (value) => {
@@ -266,10 +268,10 @@
   window.addEventListener("pointerup", up, { capture: true });
   window.addEventListener("keydown", (event) => event.key === "Escape" && kept && release());
   addToPage(STYLE, box, dot);
-  player.listen(() => part && refresh());
-  setInterval(look, LOOK_EVERY);
+  player.listen(look);
 
   window.llsrbm.parts = {
+    look,
     show(reading) {
       known.set(reading.part, reading);
       refresh();

@@ -2,12 +2,13 @@
 // colour and name. A click makes a pin's design the present one, its cross lets go of it; another
 // button has the pinned robots stand beside the one that is shown, under the same camera.
 (() => {
-  const { page, element, addToPage } = window.llsrbm;
-  const FOLLOW_EVERY = 250; // ms
+  const { page, layout, element, addToPage } = window.llsrbm;
 
   const STYLE = `
-    #llsrbm-pins { position: fixed; z-index: 4; display: none; flex-wrap: wrap; gap: 4px;
+    #llsrbm-pins { top: 10px; right: 10px; max-width: 55%; display: flex; flex-wrap: wrap; gap: 4px;
       justify-content: flex-end; font: 12px system-ui, sans-serif; }
+    #llsrbm-pins:empty { display: none; }
+    #llsrbm-remark:not(:empty) ~ #llsrbm-pins { top: 46px; }
     #llsrbm-pins > * { display: flex; align-items: center; gap: 5px; min-height: 26px;
       padding: 0 8px; border-radius: 13px; color: var(--mantine-color-text);
       background: var(--mantine-color-body); border: 1px solid var(--mantine-color-default-border); }
@@ -33,29 +34,18 @@
         onclick: () => press("unpin", index) }, "✕"));
   }
 
-  function stay() {
-    const canvas = window.__viserMutable?.canvas;
-    if (!canvas || !bar.children.length) return;
-    const box = canvas.getBoundingClientRect();
-    const below = document.querySelector("#llsrbm-remark")?.textContent ? 46 : 10; // of a remark
-    Object.assign(bar.style, { display: "flex", top: `${box.top + below}px`,
-      right: `${window.innerWidth - box.right + 10}px`, maxWidth: `${0.55 * box.width}px` });
-  }
-
-  addToPage(STYLE, bar);
-  setInterval(stay, FOLLOW_EVERY);
+  layout.over.append(bar);
+  addToPage(STYLE);
 
   window.llsrbm.pins = {
     // Names and colours, the first that of the design that is shown; whether they stand side by side.
     show(chips, beside) {
-      bar.style.display = "none";
       bar.replaceChildren(...(chips.length < 2 ? [] : [
         ...chips.map((each, i) => chip(each, i - 1)),
         element("button", { type: "button", "aria-pressed": beside,
           title: "The pinned robots beside the one that is shown, under the same camera",
           onclick: () => page.send({ kind: "beside", on: !beside }) }, "Side by side"),
       ]));
-      stay();
     },
   };
 })();

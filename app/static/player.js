@@ -14,13 +14,12 @@
   const FRESH = 50; // ms; but for a moment after each clip
   const ABOVE = "/push/"; // nodes below are drawn over all else: arrows that begin in a robot
 
-  const llsrbm = (window.llsrbm ??= { software: false });
+  const llsrbm = window.llsrbm;
   const listeners = new Set();
   let clip = null, time = 0, playing = false, speed = 1, loop = true, held = 0;
   let range = null; // [from, to] s that is played again and again; null: all
   let last = null, settleUntil = 0, requested = false;
   let reportedAt = -Infinity, reportLater = null;
-  let picking = false;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
   let hurry = false, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
@@ -37,7 +36,7 @@
     const numbers = new Float32Array(bytes.buffer);
     let at = 0;
     const take = (n) => numbers.subarray(at, (at += n));
-    const strands = header.strands.map(({ frames, tracks }) => ({
+    const channels = header.channels.map(({ frames, tracks }) => ({
       time: take(frames),
       tracks: tracks.map(({ nodes, turns, scales }) => ({
         nodes,
@@ -46,7 +45,7 @@
         scale: scales ? take(3 * frames) : null,
       })),
     }));
-    return { ...header, strands };
+    return { ...header, channels };
   }
 
   // Index of the instant before `t`, and how far `t` is from it to the next, 0 to 1.
@@ -77,9 +76,9 @@
   function apply() {
     const viewer = window.__viserMutable;
     if (!clip || lacks().length) return;
-    for (const strand of clip.strands) {
-      const [index, share] = place(strand.time, time);
-      for (const track of strand.tracks) {
+    for (const channel of clip.channels) {
+      const [index, share] = place(channel.time, time);
+      for (const track of channel.tracks) {
         const position = mix(track.position, 3, index, share);
         const wxyz = track.wxyz && unit(mix(track.wxyz, 4, index, share));
         const scale = track.scale && mix(track.scale, 3, index, share);
@@ -243,20 +242,9 @@
 
   function changed() {
     for (const listener of listeners) listener();
-    window.llsrbmPlots?.show(time);
   }
 
   llsrbm.require(lacks);
-
-  // The plots' script comes with the panel.
-  function followClicks() {
-    if (picking || !window.llsrbmPlots) return;
-    picking = true;
-    window.llsrbmPlots.onPick((instant) => {
-      pause();
-      seek(instant);
-    });
-  }
 
   llsrbm.player = {
     load(header, blob, number) {
@@ -270,10 +258,9 @@
       // Loaded within a frame of viser's, before it moves its nodes: they are drawn in this frame.
       notice(now);
       apply();
-      window.llsrbm.camera?.show(header.sight);
+      window.llsrbm.camera?.show(header.camera_target);
       window.llsrbm.parts?.forget();
       settle();
-      followClicks();
       llsrbm.page.send({ kind: "clip", number });
     },
     clear() {

@@ -10,7 +10,6 @@
   const TICKS = [6, 5]; // at most about, along and up
   const SAID = 1500; // ms for which a button says what it has done
   const INK = "#1a1a1a", GRID = "#e3e3e3", SHADE = "#ededed";
-  const LINES = "y"; // scale of the series that are no marks
 
   // Even numbers between two values, and how they are written.
   function ticks(low, high, count) {
@@ -30,31 +29,25 @@
       && values[i] > 0 === rises);
   }
 
-  const colourOf = (chart, index) => {
-    const { stroke } = chart.series[index];
-    return typeof stroke === "function" ? stroke(chart, index) : stroke;
-  };
-
   function svgOf(chart) {
     const [width, height] = [WIDTH * POINTS, HEIGHT * POINTS], time = [...chart.data[0]];
     const { x: { min: from, max: to }, y: { min: low, max: high } } = chart.scales;
-    const curves = chart.series.flatMap((series, index) => series.scale === LINES
-      && chart.data[index].some(Number.isFinite) ? [{ index, series }] : []);
-    const keys = legend(chart, curves, width);
+    const { linesOf, titleOf } = window.llsrbm.plots;
+    const curves = linesOf(chart, "curve").filter(({ index }) => chart.data[index].some(Number.isFinite));
+    const keys = legend(curves, width);
     const top = TOP + keys.height, bottom = height - UNDER;
     const x = (value) => LEFT + ((value - from) / (to - from)) * (width - LEFT - RIGHT);
     const y = (value) => bottom - ((value - low) / (high - low)) * (bottom - top);
     const text = (at, up, words, anchor = "middle") =>
       shape("text", { x: at.toFixed(2), y: up.toFixed(2), "text-anchor": anchor }, words);
     const line = (path, attributes) => shape("path", { d: path, fill: "none", ...attributes });
-    const heading = chart.root.querySelector(".u-title")?.firstChild?.textContent ?? "";
     const inside = shape("g", { "clip-path": "url(#area)" });
     const svg = shape("svg", { width: `${WIDTH}mm`, height: `${HEIGHT}mm`,
       viewBox: `0 0 ${width.toFixed(2)} ${height.toFixed(2)}`, "font-size": SIZE, fill: INK,
       "font-family": "Helvetica, Arial, sans-serif" },
       shape("clipPath", { id: "area" }, shape("rect",
         { x: LEFT, y: top, width: width - LEFT - RIGHT, height: bottom - top })),
-      shape("rect", { width, height, fill: "#fff" }), text(LEFT, LINE, heading, "start"), keys.drawn);
+      shape("rect", { width, height, fill: "#fff" }), text(LEFT, LINE, titleOf(chart), "start"), keys.drawn);
     const flight = chart.data[1], lifts = steps(time, flight, true), lands = steps(time, flight, false);
     if (flight[0] > 0) lifts.unshift(from);
     lifts.forEach((start, i) => inside.append(shape("rect", { x: x(start), y: top, fill: SHADE,
@@ -69,23 +62,19 @@
         { stroke: GRID, "stroke-width": 0.4 }));
       svg.append(text(LEFT - 3, y(value) + 2.4, words, "end"));
     }
-    chart.series.forEach((series, index) => {
-      if (index < 2 || series.scale === LINES) return;
-      for (const instant of steps(time, chart.data[index], true))
-        inside.append(line(`M${x(instant).toFixed(2)} ${top}V${bottom}`,
-          drawnAs(chart, index, 0.7)));
-    });
-    for (const { index } of curves)
-      inside.append(line(path(time, chart.data[index], x, y), drawnAs(chart, index, 1)));
+    for (const mark of linesOf(chart, "mark"))
+      for (const instant of steps(time, chart.data[mark.index], true))
+        inside.append(line(`M${x(instant).toFixed(2)} ${top}V${bottom}`, drawnAs(mark, 0.7)));
+    for (const curve of curves)
+      inside.append(line(path(time, chart.data[curve.index], x, y), drawnAs(curve, 1)));
     svg.append(inside, line(`M${LEFT} ${top}V${bottom}H${width - RIGHT}`,
       { stroke: INK, "stroke-width": 0.6 }),
       text((LEFT + width - RIGHT) / 2, bottom + 2 * LINE + 2, "time [s]"));
     return new XMLSerializer().serializeToString(svg);
   }
 
-  function drawnAs(chart, index, width) {
-    const { dash } = chart.series[index];
-    return { stroke: colourOf(chart, index), "stroke-width": width, "stroke-linejoin": "round",
+  function drawnAs({ colour, dash }, width) {
+    return { stroke: colour, "stroke-width": width, "stroke-linejoin": "round",
       ...(dash?.length ? { "stroke-dasharray": dash.map((part) => 0.75 * part).join(" ") } : {}) };
   }
 
@@ -100,16 +89,16 @@
   }
 
   // Samples of the lines with their names, in as many rows as they need.
-  function legend(chart, curves, width) {
+  function legend(curves, width) {
     const drawn = shape("g", {}), sample = 16, gap = 8;
     let at = LEFT, row = 0;
-    for (const { index, series } of curves) {
-      const long = sample + 3 + SIZE * LETTER * series.label.length;
+    for (const curve of curves) {
+      const long = sample + 3 + SIZE * LETTER * curve.name.length;
       if (at > LEFT && at + long > width - RIGHT) [at, row] = [LEFT, row + 1];
       const up = TOP + LINE * row + 4;
       drawn.append(shape("path", { d: `M${at} ${up}h${sample}`, fill: "none",
-        ...drawnAs(chart, index, 1) }),
-        shape("text", { x: at + sample + 3, y: up + 2.4 }, series.label));
+        ...drawnAs(curve, 1) }),
+        shape("text", { x: at + sample + 3, y: up + 2.4 }, curve.name));
       at += long + gap;
     }
     return { drawn, height: curves.length ? LINE * (row + 1) + 3 : 0 };

@@ -21,8 +21,7 @@
     }).join();
   }
 
-  // Again and again, for viser makes its elements anew now and then. Of one element: a style sheet
-  // would have the browser look at the whole page.
+  // The style of one element: a style sheet would have the browser look at the whole page.
   function draw() {
     for (const [uuid, { chances, text }] of Object.entries(tracks)) {
       const slider = document.getElementById(uuid);
@@ -30,13 +29,14 @@
       slider.llsrbmTrack = tracks[uuid];
       slider.toggleAttribute(TINTED, chances.length > 0);
       slider.style.setProperty(TINT, `linear-gradient(90deg, ${stops(chances)})`);
-      slider.title = text; // for who hovers, and for who does not see
+      slider.title = text; // for a pointer, and for a screen reader
       slider.querySelector("[role=slider]")?.setAttribute("aria-description", text);
     }
   }
 
+  window.llsrbm.layout.onChange(draw); // viser makes its elements anew now and then
+
   window.llsrbm.tint = {
-    draw,
     show(shown) {
       tracks = shown;
       draw();

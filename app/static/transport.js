@@ -1,15 +1,14 @@
 // The bar under the picture: play and pause, speed, and the timeline (timeline.js). Keys: space,
 // arrows, Home, End.
 (() => {
-  const { page, player, timeline, element, write, addToPage, listenToKeys } = window.llsrbm;
+  const { page, player, timeline, layout, element, write, addToPage, listenToKeys } = window.llsrbm;
   const SPEEDS = [0.1, 0.25, 0.5, 1];
   const WRITTEN_EVERY = 100; // ms; numbers that change faster cannot be read
   const FAR = 6; // frames that an arrow key moves with Shift
   const EMPTY = "no motion yet";
 
   const STYLE = `
-    #llsrbm-transport { position: fixed; z-index: 5; box-sizing: border-box;
-      padding: 6px 10px 8px; font: 12px system-ui, sans-serif; user-select: none;
+    #llsrbm-transport { left: 0; right: 0; bottom: 0; padding: 6px 10px 8px; font: 12px system-ui, sans-serif; user-select: none;
       color: var(--mantine-color-text); background: var(--mantine-color-body);
       border-top: 1px solid var(--mantine-color-default-border); touch-action: none; }
     #llsrbm-transport .line { display: flex; flex-wrap: wrap; gap: 2px 8px; align-items: center; }
@@ -74,17 +73,6 @@
     write(clock, `${player.time.toFixed(2)} / ${shown.end.toFixed(2)} s ${phase ? phase.name : ""}`);
   }
 
-  // Under the picture, however the panel is docked.
-  function follow() {
-    const canvas = window.__viserMutable?.canvas;
-    if (!canvas) return;
-    const box = canvas.getBoundingClientRect();
-    Object.assign(bar.style, {
-      left: `${box.left}px`, width: `${box.width}px`,
-      bottom: `${Math.max(0, window.innerHeight - box.bottom)}px`,
-    });
-  }
-
   const far = (event) => (event.shiftKey ? FAR : 1);
   listenToKeys({
     " ": () => player.toggle(),
@@ -94,15 +82,13 @@
     End: () => player.seek(Infinity),
   }, () => player.clip);
   timeline.onChange(() => zoom.setAttribute("aria-pressed", timeline.zoomed));
-  addToPage(STYLE + timeline.style, bar);
-  setInterval(follow, 250);
+  addToPage(STYLE + timeline.style);
+  layout.over.append(bar);
+  layout.watch(bar); // the camera shows what it leaves free
   player.listen(refresh);
 
   window.llsrbm.transport = {
-    show(next) {
-      show(next);
-      follow();
-    },
+    show,
     clear() {
       shown = null;
       timeline.clear();

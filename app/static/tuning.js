@@ -1,10 +1,9 @@
-// The table of weights and limits (app/panel/tuning_table.py): its numbers come from the server, what
+// The table of weights and limits (app/panel/tuning.py): its numbers come from the server, what
 // is typed goes there. The rows say their group, name and default themselves.
 (() => {
-  const { page } = window.llsrbm;
+  const { page, layout } = window.llsrbm;
   const TABLE = ".llsrbm-tuning", ROW = "tr[data-name]", RESET = "button[data-reset]";
   const FILLED = "data-filled"; // with which numbers
-  const LOOK_EVERY = 300; // ms; viser makes the table anew whenever its tab is opened
 
   let values = { weights: {}, limits: {} }, version = 0;
 
@@ -50,9 +49,10 @@
     choose(row, "");
     numberIn(row).focus();
   });
-  // What is typed right after a table was made must not be overwritten by the next look.
+  // viser makes the table anew whenever its tab is opened; what is typed right after that must not be
+  // overwritten by the next look.
   document.addEventListener("focusin", (event) => { if (rowOf(event, "input")) fill(); });
-  setInterval(() => fill(), LOOK_EVERY);
+  layout.onChange(() => fill());
 
   window.llsrbm.tuning = {
     show(changed) {

@@ -21,7 +21,6 @@ from app.tab.effects import (
     Play,
     Queue,
     Reported,
-    ResetControls,
     Seek,
     SetPlayback,
     Submit,
@@ -102,8 +101,7 @@ def _updated(state: TabState, event: Any) -> Step:
     if isinstance(event, Reported):
         return _step(_handlers[event.queue](state, event))
     if isinstance(event, Corrected):
-        note = Notify("Corrected", "; ".join(event.complaints))
-        return also(update(state, event.event), note, ResetControls())
+        return also(update(state, event.event), Notify("Corrected", "; ".join(event.complaints)))
     return _step(_handlers[type(event)](state, event))
 
 

@@ -13,9 +13,8 @@ from app.panel.jump_types import with_type
 from app.panel.tuning import entries_of
 from app.panel.view_controls import View
 from app.picture.landing_handle import LandingDragged
-from app.plots.choice import PlotChoice
-from app.tab.acts import Corrected, Step, keeps, on, reads, update
-from app.tab.effects import Notify, Share
+from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
+from app.tab.effects import Notify, Share, ShowTuning
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
 from llsrbm.request import jump_types
@@ -97,7 +96,13 @@ def choose_number(state: TabState, event: TuningChosen) -> Step:
         if not math.isclose(value, entry.default, rel_tol=_SAME, abs_tol=_SAME):
             given[entry.group][entry.name] = value
     chosen: Any = Tuning(**given)
-    return update(state, Corrected(chosen, tuple(wrong)) if wrong else chosen)
+    if not wrong:
+        return update(state, chosen)
+    # The page shows what was typed, also where what comes of it is what there was before.
+    return also(update(state, Corrected(chosen, tuple(wrong))), ShowTuning(chosen))
+
+
+reads(Act.EXAMPLE, lambda state, panel: panel.files.design.read(state.design, None))
 
 
 @on(Design)
@@ -147,4 +152,3 @@ reads(Act.VIEW, lambda state, panel: panel.view.fields.read(state.view, None))
 
 
 keeps(View, "view")
-keeps(PlotChoice, "plots")

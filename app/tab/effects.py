@@ -20,6 +20,7 @@ from app.workers.tasks import Task
 from llsrbm.errors import Error
 from llsrbm.look.visuals import needs_preparation
 from llsrbm.request.design import Design, dump_design
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot, load_robot
 
 MOST_NOTES = 4  # That stand at a time; more would cover the picture
@@ -193,8 +194,13 @@ class Notify(Effect):
 
 
 @dataclass(frozen=True)
-class ResetControls(Effect):
-    """Put the controls where the state has them: the session does it where they are drawn."""
+class ShowTuning(Effect):
+    """Show the numbers of a design in the page's table, whatever was typed there."""
+
+    tuning: Tuning
+
+    def do(self, outside: Outside) -> None:
+        outside.link.show_tuning(self.tuning)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 
 from app.link import PageReady, PushDragged
 from app.panel.acts import Act, Button
-from app.picture.landing_handle import LandingDragged
+from app.picture.landing_handle import HandleMoved
 
 
 class End(Enum):
@@ -83,7 +83,7 @@ def _outdated(before: Any, after: Any) -> bool:
     match before, after:
         case Act(), Act():  # controls are read as they stand when the act is taken
             return before is after and not isinstance(before.value, Button)
-        case LandingDragged(), LandingDragged():
+        case HandleMoved(), HandleMoved():
             return True
         case PushDragged(ended=ended), PushDragged():
             return not ended

@@ -20,12 +20,13 @@ from typing import Any
 
 import viser
 
-from app.link import AtlasClicked, ChartDropped, ClipTaken, PageLink, PageReady
+from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
-from app.tab.acts import Corrected, Step, event_of, update
+from app.picture.landing_handle import HandleMoved
+from app.tab.acts import Step, event_of, update
 from app.tab.atlas import Atlases
-from app.tab.effects import Effect, Notify, Outside, ResetControls, RobotLoaded, loaded
+from app.tab.effects import Effect, Notify, Outside, RobotLoaded, loaded
 from app.tab.files import FileChosen
 from app.tab.inbox import End, Inbox
 from app.tab.planning.robot import draw_robot
@@ -249,9 +250,9 @@ class Session:
         assert self._outside is not None
         match item:
             case Act():
-                event = event_of(item, self.state, self._rendering.panel)
-                self._rendering.note(event.event if isinstance(event, Corrected) else event)
-                return event
+                return event_of(item, self.state, self._rendering.panel)
+            case HandleMoved():
+                return self._rendering.handle.read(item)
             case ClipTaken():
                 self._outside.link.take(item)
                 return None
@@ -260,8 +261,6 @@ class Session:
                 return None
             case AtlasClicked():
                 return self._rendering.atlas.opened(item)
-            case ChartDropped():
-                return self._rendering.plots.dropped(item)
         return item
 
     def _greet_late(self, page: PageReady) -> None:
@@ -296,8 +295,4 @@ class Session:
 
     def _do(self, effect: Effect) -> None:
         assert self._outside is not None
-        assert self._rendering is not None
-        if isinstance(effect, ResetControls):
-            self._rendering.reset_controls(self.state)
-        else:
-            effect.do(self._outside)
+        effect.do(self._outside)

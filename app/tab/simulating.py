@@ -69,7 +69,13 @@ class Automatically:
     wanted: bool
 
 
-reads(Act.AUTOMATIC, lambda _, panel: (Automatically(panel.scenario.automatic), []))
+reads(
+    Act.AUTOMATIC,
+    lambda state, panel: (
+        Automatically(panel.scenario.automatic.read(state.automatic, None)[0]),
+        [],
+    ),
+)
 
 
 @on(Automatically)

@@ -198,9 +198,9 @@ def at_rest(page):
 
 def base_node(page):
     """Name of the base of the robot that is drawn solid, once it is drawn."""
-    drawn = "() => window.__viserMutable.nodeRefFromName[llsrbm.camera.sight?.follow]"
+    drawn = "() => window.__viserMutable.nodeRefFromName[llsrbm.camera.target?.follow]"
     page.wait_for_function(drawn)
-    return page.evaluate("llsrbm.camera.sight.follow")
+    return page.evaluate("llsrbm.camera.target.follow")
 
 
 def screenshot(page, **options):

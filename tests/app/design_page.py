@@ -39,7 +39,6 @@ class DesignPage:
             client,
             examples(),
             lambda act: self.told.put((act.name.lower(),)),
-            choose_example=lambda design: self.told.put(("example", design)),
             open_file=lambda name, content: self.told.put(("upload", name, content)),
         )
         controls.add_progress()

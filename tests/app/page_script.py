@@ -23,7 +23,7 @@ def call(source):
 
 
 def decoded(header, blob):
-    """(strands, end) of an encoded clip; a strand is (time, {node: (position, wxyz, scale)})."""
+    """(channels, end) of an encoded clip; a channel is (time, {node: (position, wxyz, scale)})."""
     numbers = np.frombuffer(base64.b64decode(blob), "<f4")
     at = 0
 
@@ -32,18 +32,18 @@ def decoded(header, blob):
         at += frames * size
         return numbers[at - frames * size : at].reshape(frames, size)
 
-    strands = []
-    for strand in header["strands"]:
-        frames = strand["frames"]
+    channels = []
+    for channel in header["channels"]:
+        frames = channel["frames"]
         time, nodes = take(frames, 1)[:, 0], {}
-        for track in strand["tracks"]:
+        for track in channel["tracks"]:
             position = take(frames, 3)
             wxyz = take(frames, 4) if track["turns"] else None
             scale = take(frames, 3) if track["scales"] else None
             nodes |= dict.fromkeys(track["nodes"], (position, wxyz, scale))
-        strands.append((time, nodes))
+        channels.append((time, nodes))
     assert at == len(numbers)
-    return strands, header["end"]
+    return channels, header["end"]
 
 
 class PageScript:
@@ -91,9 +91,9 @@ class PageScript:
         return self._clip()[1]
 
     @property
-    def sight(self):
+    def camera_target(self):
         """What the camera is to look at, of the clip that is loaded."""
-        return self.calls("player.load")[-1][0]["sight"]
+        return self.calls("player.load")[-1][0]["camera_target"]
 
     @property
     def events(self):

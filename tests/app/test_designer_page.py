@@ -56,7 +56,7 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     fill(page, "Forward [m]", 0.4)
     wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
     status(page, "Feasible")
-    both = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
+    both = "n => llsrbm.player.clip.channels.some(s => s.tracks.some(t => t.nodes.includes(n)))"
     wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
     paused_at(page, 1.25)
     apart = np.subtract(pose(page, base_node(page)), pose(page, "/pinned/1/base"))

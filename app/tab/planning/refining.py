@@ -22,7 +22,10 @@ class WholeBody:
     wanted: bool
 
 
-reads(Act.WHOLE_BODY, lambda _, panel: (WholeBody(panel.jump.whole_body), []))
+reads(
+    Act.WHOLE_BODY,
+    lambda state, panel: (WholeBody(panel.jump.whole_body.read(state.whole_body, None)[0]), []),
+)
 
 
 @on(WholeBody)

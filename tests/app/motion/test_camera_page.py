@@ -71,7 +71,7 @@ def assert_looks_from(page, name):
 
 def corners(page):
     """Where the outermost points of the motion are in the picture, -1 to 1."""
-    points = np.array(page.evaluate("llsrbm.camera.sight.points"))
+    points = np.array(page.evaluate("llsrbm.camera.target.points"))
     place, target = looks(page)
     ahead = (target - place) / np.linalg.norm(target - place)
     right = np.cross(ahead, [0, 0, 1])

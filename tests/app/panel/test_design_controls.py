@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.guard.limits import MAX_UPLOAD
+from app.panel.file_controls import FileChoice
 from app.workers.opened_file import uploaded_design
 from llsrbm.errors import InputError
 from llsrbm.request.design import Design, dump_design, examples
@@ -39,23 +39,19 @@ def html(tab):
 def test_an_example_is_handed_over(page, tab):
     box = EXAMPLES["slider-box"]
     tab.set("Example", box.title)
-    assert page.next() == ("example", box)
+    assert page.next() == ("example",)
+    assert tab.controls_of_page.design.read(Design(Jump()), None) == (box, [])
 
 
 def test_what_is_shown_is_named_with_its_note(tab):
     design = EXAMPLES["anymal-board"]
-    tab.controls_of_page.show_design(design.title, "a <b> & note")
+    tab.controls_of_page.show(design, "a <b> & note", FileChoice(), "")
     tab.wait(lambda: "a &lt;b&gt; &amp; note" in html(tab)["content"], "the note")
     assert html(tab)["visible"]
     assert tab.value("Example") == design.title
-    tab.controls_of_page.show_design("my own", "")
+    tab.controls_of_page.show(Design(Jump()), "", FileChoice(), "")
     tab.wait(lambda: not html(tab)["visible"], "no note")
     assert tab.value("Example") == "choose ..."
-
-
-def test_a_tab_is_told_to_send_no_files_that_are_refused(tab):
-    (script,) = tab.scripts
-    assert script.startswith(f"window.llsrbmLargestFile = {MAX_UPLOAD};")
 
 
 @pytest.mark.parametrize(

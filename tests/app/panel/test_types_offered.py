@@ -1,14 +1,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from app.panel.jump_types import (
-    turn_amounts,
     turn_title,
     turns_offered,
     types_offered,
+    with_turn,
     with_type,
 )
 from llsrbm.request import jump_types
@@ -41,13 +42,14 @@ def test_a_type_keeps_the_landing_place():
 
 @pytest.mark.parametrize("title", TURNS)
 def test_a_turn_of_the_menu_is_shown_by_its_title(title):
-    assert turn_title(Jump(type="flip", **turn_amounts(title))) == title
+    assert turn_title(with_turn(Jump(type="flip"), title)) == title
 
 
 def test_turns_follow_the_right_hand_rule():
     # About y to the left a positive turn takes the nose down; about x ahead, the left side up.
-    assert turn_amounts("front flip") == {"pitch": 2 * math.pi, "roll": 0.0}
-    assert turn_amounts("roll right") == {"pitch": 0.0, "roll": 2 * math.pi}
+    jump = Jump(type="flip")
+    assert with_turn(jump, "front flip") == replace(jump, pitch=2 * math.pi)
+    assert with_turn(jump, "roll right") == replace(jump, roll=2 * math.pi)
 
 
 def test_other_turns_are_shown_in_degrees():

@@ -50,9 +50,14 @@ class Target:
 
     def read(self, jump, task):
         """The request after the handle was dragged to where it stands."""
-        before = len(self.grips)
-        self.gizmo.drag()
-        return self.grips[-1].applied_to(jump, task) if len(self.grips) > before else jump
+        self.drag()
+        dragged = self.handle.read(self.grips[-1])
+        return jump if dragged is None else dragged.applied_to(jump, task)
+
+    def drag(self, phase="update"):
+        """The session takes what the handle says."""
+        self.gizmo.drag(phase)
+        self.handle.read(self.grips[-1])
 
 
 def test_it_stands_where_the_jump_lands():
@@ -108,10 +113,10 @@ def test_whatever_is_dragged_is_within_the_ranges(x, y, yaw, twist):
 def test_it_stays_in_the_hand_that_holds_it():
     target = Target()
     target.gizmo.place(0.2, 0.1, 0.0)
-    target.gizmo.drag("start")
+    target.drag("start")
     target.draw(replace(JUMP, forward=0.2))
     assert target.gizmo.position == pytest.approx((0.2, 0.1, 0.0))
-    target.gizmo.drag("end")
+    target.drag("end")
     target.draw(replace(JUMP, forward=0.2))
     assert target.gizmo.position == pytest.approx((0.2, 0.0, 0.1))
     assert len(target.grips) == 2

@@ -208,7 +208,7 @@ def test_a_preset_is_known_by_its_charts(name):
     assert not PlotChoice((), open=False).with_preset(name).open
     added = PRESETS[name].with_offered()
     assert (added.preset == OWN) == (added != PRESETS[name])
-    assert PRESETS[name].without(0).preset == OWN
+    assert PRESETS[name].without_removed().preset == OWN
 
 
 def test_a_chart_is_added_once():
@@ -216,7 +216,7 @@ def test_a_chart_is_added_once():
     once = choice.with_offered()
     assert once.charts == (ChartChoice("foot_force", ("LF",)),)
     assert once.with_offered() == once
-    assert once.without(0) == choice
+    assert once.without_removed() == choice
 
 
 def test_a_chart_is_dropped_onto_another_one():

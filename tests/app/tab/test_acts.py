@@ -6,7 +6,7 @@ import pytest
 
 from app.link import PushDragged
 from app.panel.acts import Act, Button
-from app.picture.landing_handle import LandingDragged
+from app.picture.landing_handle import HandleMoved
 from app.tab import acts
 from app.tab.inbox import End, Inbox
 from app.tab.planning.requests import Rested
@@ -28,10 +28,21 @@ def shown(tab):
 
 def test_buttons_that_would_do_nothing_cannot_be_pressed():
     tab = PureTab()
-    assert shown(tab) == {"SIMULATE", "SHARE", "SEEDS", "SAVE"}
+    assert shown(tab) == {"SIMULATE", "SHARE", "SEEDS", "SAVE", "ADD_CHART", "REMOVE_CHART"}
     tab = planned_tab()
     assert shown(tab) == {
-        *("SIMULATE", "SHARE", "SEEDS", "ROBOT_SIMULATOR", "SAVE", "EXPORT", "PIN", "UNDO", "CHECK")
+        *(
+            "SIMULATE",
+            "SHARE",
+            "SEEDS",
+            "ROBOT_SIMULATOR",
+            "SAVE",
+            "EXPORT",
+            "PIN",
+            "UNDO",
+            "CHECK",
+        ),
+        *("ADD_CHART", "REMOVE_CHART", "SAVE_LINES"),
     }
     tab.take(Act.PIN)
     tab.take(Act.EXPORT)
@@ -52,7 +63,7 @@ def taken(*items):
     return inbox.take()
 
 
-NEAR, FAR = LandingDragged(0.1, 0.0, 0.0), LandingDragged(0.2, 0.0, 0.0)
+GRABBED, LET_GO = HandleMoved(held=True), HandleMoved(held=False)
 HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True))
 
 
@@ -63,7 +74,7 @@ HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True
         ([Act.SCENARIO, Act.SIMULATE, Act.SCENARIO], [Act.SCENARIO, Act.SIMULATE, Act.SCENARIO]),
         ([Act.JUMP, Act.JUMP, Act.UNDO, Act.JUMP], [Act.JUMP, Act.UNDO, Act.JUMP]),
         ([Act.UNDO, Act.UNDO], [Act.UNDO, Act.UNDO]),
-        ([NEAR, FAR, Act.UNDO], [FAR, Act.UNDO]),
+        ([GRABBED, GRABBED, LET_GO, Act.UNDO], [LET_GO, Act.UNDO]),
         ([HELD, HELD, ENDED, HELD], [ENDED, HELD]),
     ],
 )

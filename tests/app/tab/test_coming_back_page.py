@@ -55,7 +55,7 @@ def everything_is_there(page):
     page.wait_for_function("llsrbm.player.clip?.request.forward === 0.3")
     wait_until(lambda: player(page, "time") == pytest.approx(INSTANT), "the place")
     assert player(page, "playing") is False
-    clip = "n => llsrbm.player.clip.strands.some(s => s.tracks.some(t => t.nodes.includes(n)))"
+    clip = "n => llsrbm.player.clip.channels.some(s => s.tracks.some(t => t.nodes.includes(n)))"
     assert page.evaluate(clip, "/pinned/1/base")
     assert page.locator('[title="simulation: force control"]').count() == 1
     tab(page, COMPARE)

@@ -15,7 +15,6 @@ from app.tab.effects import (
     LoadRobot,
     Notify,
     Queue,
-    ResetControls,
     RobotLoaded,
     RobotMissing,
     Stop,
@@ -149,16 +148,13 @@ def test_other_weights_and_limits_are_planned(tab):
     assert tab.state.design.tuning == tuning
 
 
-def test_corrections_are_noted_and_the_controls_put_right(tab):
+def test_corrections_are_noted(tab):
     jump = replace(tab.state.design.jump, forward=0.6)
     tab.take(Corrected(jump, ("Forward [m]: too far", "Lateral [m]: too far")))
     _, *after = tab.effects
-    assert after == [
-        Notify("Corrected", "Forward [m]: too far; Lateral [m]: too far"),
-        ResetControls(),
-    ]
+    assert after == [Notify("Corrected", "Forward [m]: too far; Lateral [m]: too far")]
     tab.take(Corrected(Scenario(), ("Seed: too large",)))
-    assert tab.effects[1:] == (Notify("Corrected", "Seed: too large"), ResetControls())
+    assert tab.effects[1:] == (Notify("Corrected", "Seed: too large"),)
 
 
 # ---- undone and done again

@@ -12,7 +12,7 @@ from app.link import TuningChosen, read_event
 from app.panel.acts import Act
 from app.panel.tuning import entries_of
 from app.tab.acts import update
-from app.tab.effects import Notify, ResetControls
+from app.tab.effects import Notify, ShowTuning
 from app.tab.start.opening import first_state
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot, read_robot_file
@@ -33,7 +33,7 @@ def tuned(state, *events):
     effects = ()
     for event in events:
         state, effects = update(state, event)
-    return state.design.tuning, [e for e in effects if isinstance(e, Notify | ResetControls)]
+    return state.design.tuning, [e for e in effects if isinstance(e, Notify | ShowTuning)]
 
 
 def test_a_number_is_changed_and_put_back(state):
@@ -63,7 +63,7 @@ def test_beyond_its_range_the_nearest_is_taken_and_said(state, key, value):
     if outside:
         note, reset = notes
         assert f"{entry.title}: expected" in note.body
-        assert isinstance(reset, ResetControls)
+        assert reset == ShowTuning(tuning)
 
 
 def test_a_name_that_does_not_exist_is_said(state):

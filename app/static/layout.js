@@ -1,0 +1,54 @@
+// What of the page changes, told to the other scripts: where the picture is, and that viser has made
+// elements anew. The only script that watches the page.
+(() => {
+  const llsrbm = window.llsrbm;
+  const SETTLE = 200; // ms between two looks at what has changed
+  const changed = [], moved = [];
+  const watched = new WeakSet();
+  let later = 0;
+
+  // As large as the picture, however the panel is docked: what lies over the picture has its place in
+  // here.
+  const over = llsrbm.element("div", { id: "llsrbm-over" });
+  const resized = new ResizeObserver(follow);
+
+  function watch(element) {
+    if (!element || watched.has(element)) return;
+    watched.add(element);
+    resized.observe(element);
+  }
+
+  function follow() {
+    const box = window.__viserMutable?.canvas?.getBoundingClientRect();
+    if (!box) return;
+    const { left, top, width, height } = box;
+    for (const [name, value] of Object.entries({ left, top, width, height }))
+      over.style[name] = `${value}px`;
+    moved.forEach((listener) => listener(box));
+  }
+
+  function look() {
+    later = 0;
+    watch(window.__viserMutable?.canvas);
+    follow();
+    changed.forEach((listener) => listener());
+    if (!window.__viserMutable?.canvas) soon(); // viser notes it down a moment after it is there
+  }
+
+  const soon = () => (later ||= setTimeout(look, SETTLE));
+
+  llsrbm.addToPage(`
+    #llsrbm-over { position: fixed; z-index: 5; pointer-events: none; }
+    #llsrbm-over > * { position: absolute; pointer-events: auto; }`, over);
+  document.addEventListener("DOMContentLoaded", () => {
+    new MutationObserver(soon).observe(document.body, { childList: true, subtree: true });
+    look();
+  });
+  window.addEventListener("resize", follow);
+
+  llsrbm.layout = {
+    over, soon, watch,
+    onChange: (listener) => changed.push(listener), // elements were made anew, or taken away
+    onMove: (listener) => moved.push(listener), // the picture, or what is watched, has another size
+  };
+})();
