@@ -39,6 +39,11 @@ SCRIPTS = (
 )
 """In the order in which they need each other."""
 
+HEAD = f"""<title>Jump designer</title>
+<meta name="largest-file" content="{MAX_UPLOAD}">
+"""
+"""In place of viser's title, before the scripts."""
+
 _TITLE = "<title>Viser</title>"
 _FOLDER = Path(__file__).parent / "static"
 
@@ -49,10 +54,10 @@ def page_html() -> bytes:
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
     if _TITLE not in page:
         raise Error(f"the page of viser {viser.__version__} has no place for our scripts")
-    limits = f"window.llsrbm = {{ largestFile: {MAX_UPLOAD} }};\n"
-    sources = (limits, *((_FOLDER / name).read_text("utf-8") for name in SCRIPTS))
-    scripts = "".join(f"<script>\n{source}</script>\n" for source in sources)
-    return page.replace(_TITLE, f"<title>Jump designer</title>\n{scripts}", 1).encode("utf-8")
+    scripts = "".join(
+        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in SCRIPTS
+    )
+    return page.replace(_TITLE, HEAD + scripts, 1).encode("utf-8")
 
 
 @lru_cache(maxsize=1)

@@ -1,7 +1,8 @@
 // Opens files that are dropped anywhere on the page, through the panel's upload button, and keeps
 // files from being sent that are too large. Leans on the file input of viser's upload button.
 (() => {
-  const { element, addToPage, largestFile } = window.llsrbm; // bytes
+  const { element, addToPage } = window.llsrbm;
+  const LARGEST = Number(document.querySelector("meta[name=largest-file]").content); // bytes
 
   const one = (file) => {
     const list = new DataTransfer();
@@ -14,7 +15,7 @@
   window.addEventListener("change", (event) => {
     const input = event.target;
     const file = input instanceof HTMLInputElement && input.type === "file" && input.files[0];
-    if (!file || file.size <= largestFile) return;
+    if (!file || file.size <= LARGEST) return;
     input.files = one(new File([], file.name, { type: "application/x-too-large" }));
   }, true);
 

@@ -26,7 +26,7 @@
     }
   }
 
-  const llsrbm = Object.assign(window.llsrbm, { software: false, skips: false });
+  const llsrbm = (window.llsrbm = { software: false, skips: false });
   let probed = false;
   HTMLCanvasElement.prototype.getContext = function (kind, attributes) {
     if (!probed && String(kind).startsWith("webgl")) {

@@ -194,7 +194,7 @@ def test_a_timeline_is_sent_with_colours_as_style_sheets_have_them(link, sent):
     *_, (function, (shown,)), load = (call(source) for source in sent)
     assert load[0] == "player.load"
     header, blob, number = load[1]
-    assert (header["end"], header["request"], header["strands"]) == (1.0, {"twist": 0.5}, [])
+    assert (header["end"], header["request"], header["channels"]) == (1.0, {"twist": 0.5}, [])
     assert (blob, number) == ("", 1)
     assert function == "transport.show"
     piece = {

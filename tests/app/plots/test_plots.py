@@ -97,7 +97,9 @@ def test_nothing_is_sent_where_nothing_changed(page, layers, planned):
     page.draw(layers, replace(DEFAULT, offered=ChartChoice("mode")))
     page.draw(layers, replace(DEFAULT, landing=True))
     page.tab.wait(lambda: page.tab.received["GuiUpdateMessage"] > drawn, "other data")
-    assert page.tab.received["GuiUpdateMessage"] - drawn <= 4 * 3 + 1, "scales, series and data, once, and the legend"
+    assert page.tab.received["GuiUpdateMessage"] - drawn <= 4 * 3 + 1, (
+        "scales, series and data, once, and the legend"
+    )
 
 
 def test_a_closed_area_gets_no_data(page, layers):

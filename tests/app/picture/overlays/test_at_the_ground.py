@@ -15,7 +15,6 @@ from scipy.spatial import ConvexHull, Delaunay
 from app.motion.baked import bake_plan
 from app.picture.overlays.forces import centre_of_pressure
 from app.picture.overlays.outlines import edges
-from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay
 from tests.app.picture.pictures import picture, planned
@@ -120,8 +119,8 @@ def test_the_centre_of_pressure_lies_inside(robot, simulation):
 
 
 def with_friction(mu, robot):
-    """A picture of a plan that was asked for with another coefficient."""
-    plan = replace(planned(robot).plan, tuning=Tuning({}, {"friction": mu}))
+    """A picture of a plan that was made under another coefficient."""
+    plan = replace(planned(robot).plan, limits={"friction": mu})
     return replace(picture(robot, {"friction"}), planned=bake_plan(plan, load_robot(robot)))
 
 
