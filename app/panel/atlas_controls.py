@@ -48,7 +48,7 @@ class AtlasChoice:
 
 
 class _Menus(NamedTuple):
-    """What the dropdowns show."""
+    """A choice, and the axes to choose from."""
 
     choice: AtlasChoice
     varied: tuple[Axis, ...]  # by the sweep; none: there is no map

@@ -20,7 +20,7 @@ _CELL = "padding:0.1em 0 0.1em 0.6em;text-align:right;vertical-align:bottom"
 
 
 class Pins(NamedTuple):
-    """What is pinned."""
+    """The pinned designs, by their titles."""
 
     titles: tuple[str, ...]
     chosen: int  # number of one of them; -1: none

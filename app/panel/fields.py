@@ -56,7 +56,7 @@ class Field(Generic[V]):
         return self.ends(about) if callable(self.ends) else self.ends
 
     def options_for(self, value: V, about: Any) -> tuple[str, ...]:
-        """What a menu offers, and what the value has."""
+        """A menu's options, and the one that the value has."""
         offered = self.options(value, about) if callable(self.options) else self.options or ()
         chosen = (self.get(value),) if self.there(value) else ()
         return tuple(dict.fromkeys((*offered, *chosen))) or (_NONE,)

@@ -90,7 +90,7 @@ See `app.tab.planning.feasible`.
 
 
 class About(NamedTuple):
-    """What the ranges and menus of a request depend on."""
+    """A robot, on which the ranges and menus of a request depend."""
 
     file: RobotFile  # of its robot, for such a jump
     types: Mapping[str, JumpType]  # that the robot can do

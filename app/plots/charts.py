@@ -84,7 +84,7 @@ def pinned_layer(
 
 
 class Role(Enum):
-    """What a line of a chart is."""
+    """Meaning of a line of a chart."""
 
     MOTION = "motion"  # a quantity of the motion
     SECOND = "second"  # the same quantity by another model

@@ -35,7 +35,7 @@ def titles(state: TabState) -> tuple[str, ...]:
 
 
 def layers_of(state: TabState) -> tuple[Layer, ...]:
-    """What is plotted, in the order in which it is drawn: pins, plan, simulation."""
+    """Everything plotted, in the order in which it is drawn: pins, plan, simulation."""
     shown = state.shown
     if shown is None:
         return ()
