@@ -56,6 +56,7 @@ class Designer:
         *,
         # further names under which browsers may reach the page
         allowed_hosts: Collection[str] = (),
+        proxies: Collection[str] = (),  # addresses and networks of trusted reverse proxies
         token: str | None = None,  # needed to enter; "none": anybody may; None: one is generated
         limits: Limits | None = None,  # of everything that visitors may do
         # computes, and is its maker's to close; None: one of its own, with this planner
@@ -69,7 +70,7 @@ class Designer:
         loopback = is_loopback(host)
         self._access = Access.chosen(token)
         names = {socket.gethostname(), host, *allowed_hosts}
-        self._guard = Guard(self._access, names, loopback=loopback, limits=limits)
+        self._guard = Guard(self._access, names, loopback=loopback, proxies=proxies, limits=limits)
         self._server = DesignerServer(host, port, self._guard, page)
         self.port: int = self._server.get_port()
         self._access.port = self.port

@@ -32,6 +32,14 @@ _Hosts = Annotated[
     list[str] | None,
     typer.Option(help="Further name under which browsers may reach the page; repeatable."),
 ]
+_Proxies = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Reverse proxy, or network of such, whose X-Forwarded-For says who visits; "
+        "repeatable.",
+    ),
+]
 _File = Annotated[
     Path | None,
     typer.Option(
@@ -58,6 +66,7 @@ def serve(
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
     port: Annotated[int, typer.Option(help="Port; 0 takes any free one.")] = 8080,
     allow_host: _Hosts = None,
+    proxy: _Proxies = None,
     token: _Token = None,
     token_file: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A file that holds the token.")
@@ -96,6 +105,7 @@ def serve(
                 port,
                 stop,
                 allowed_hosts=allow_host or (),
+                proxies=proxy or (),
                 token=token if token_file is None else _token_in(token_file, token),
                 pool=pool,
                 file=file,

@@ -28,8 +28,9 @@ class Rate:
 class Limits:
     """A peer is one IPv4 address, or one IPv6 network of 64 bits, which one customer gets.
 
-    Several people may share a peer (an office, a reverse proxy), so a peer's rates are enough
-    for all tabs to come back at once after a restart.
+    Of a request that a known reverse proxy passes on, it is the address that the proxy names.
+    Several people may share a peer (an office, a proxy that is not known), so a peer's rates are
+    enough for all tabs to come back at once after a restart.
     """
 
     # ---- entering
@@ -62,8 +63,10 @@ class Limits:
 
     pages_per_peer: Rate = Rate(20.0, 100.0)  # Requests of the page by a peer
 
-    wrong_tokens: Rate = Rate(0.2, 10.0)
-    """Wrong tokens by a peer: at this rate a chosen token of 16 letters is not found."""
+    wrong_tokens: Rate = Rate(0.2, 10.0)  # By a peer, that are answered at once
+
+    wrong_token_s: float = 5.0
+    """Until further wrong tokens are answered. They keep no right one out, of whatever peer."""
 
     peers: int = 1000
     """Of which rates are remembered; the one that was silent longest is forgotten first."""
@@ -121,14 +124,10 @@ class TokenBucket:
         self._rate, self._now = rate, now
         self._left, self._at = rate.burst, now()
 
-    def has(self) -> bool:
-        """True if there is one."""
-        self._fill()
-        return self._left >= 1.0
-
     def take(self) -> bool:
         """Take one if there is one."""
-        if not self.has():
+        self._fill()
+        if self._left < 1.0:
             return False
         self._left -= 1.0
         return True
@@ -154,11 +153,6 @@ class PeerRates:
         self._each, self._peers, self._now = each, peers, now
         self._all = None if in_all is None else TokenBucket(in_all, now)
         self._of: OrderedDict[str, TokenBucket] = OrderedDict()
-
-    def has(self, peer: str) -> bool:
-        """True if a peer could take one."""
-        bucket = self._of.get(peer)
-        return bucket is None or bucket.has()
 
     def take(self, peer: str) -> bool:
         """Take one of a peer's, if there is one."""

@@ -11,18 +11,23 @@ resolves to this machine (DNS rebinding), the Host it believes to speak to.
 from __future__ import annotations
 
 import ipaddress
+import logging
 import re
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from http import HTTPStatus
 from urllib.parse import parse_qs, urlsplit
 
 from app.guard.limits import Limits, PeerRates
 from app.guard.refusals import Refusals
 from app.guard.token import Access
+from llsrbm.errors import InputError
 
 Header = tuple[str, str]
+IPAddress = ipaddress.IPv4Address | ipaddress.IPv6Address
+
+_log = logging.getLogger(__name__)
 
 PATHS = ("/", "/index.html")
 """All that is served; the page is one file, and its WebSocket is opened where the page is."""
@@ -127,6 +132,7 @@ class Decision:
     body: str = ""  # of the answer, unless it is the page or the WebSocket
     html: bool = False  # `body` is HTML instead of plain text
     headers: tuple[Header, ...] = ()  # of this answer, besides those of all
+    delay: float = 0.0  # s before it is given
 
 
 class Guard:
@@ -139,6 +145,8 @@ class Guard:
         hosts: Collection[str],
         *,
         loopback: bool,  # only this machine can reach the server
+        # addresses and networks of reverse proxies: who they say that a request is of is believed
+        proxies: Iterable[str] = (),
         limits: Limits | None = None,  # how much at a time
         now: Callable[[], float] = time.monotonic,  # s, a clock that never goes back
     ) -> None:
@@ -147,6 +155,8 @@ class Guard:
         self.refusals = Refusals(limits, now)
         self._hosts = frozenset(name.lower() for name in hosts) | {"localhost"}
         self._loopback = loopback
+        self._proxies = tuple(map(_proxy, proxies))
+        self._hinted = False
         peers = limits.peers
         self._handshakes = PeerRates(limits.handshakes_per_peer, peers, now, limits.handshakes)
         self._pages = PeerRates(limits.pages_per_peer, peers, now, limits.pages)
@@ -161,6 +171,27 @@ class Guard:
             or self._too_many(request, tabs, of_peer)
             or Decision(HTTPStatus.SWITCHING_PROTOCOLS if request.upgrade else HTTPStatus.OK)
         )
+
+    def peer_of(self, address: str, forwarded: Iterable[str] = ()) -> str:
+        """The peer that a request is of, sent by an address; `forwarded`: its X-Forwarded-For.
+
+        Each proxy adds the address that it was reached from; what comes before the last one that
+        is no proxy of ours, anybody may have made up.
+        """
+        peer = _address(address)
+        listed = [part for value in forwarded for part in value.split(",")]
+        while peer is not None and listed and any(peer in proxy for proxy in self._proxies):
+            before = _address(listed.pop())
+            if before is None:
+                break
+            peer = before
+        if listed and not self._proxies and not self._hinted:
+            self._hinted = True
+            _log.warning(
+                "requests come by a proxy at %s, whose visitors count as one; expected --proxy %s",
+                *(peer, peer),
+            )
+        return network(address if peer is None else str(peer))
 
     def headers(self, host: str) -> tuple[Header, ...]:
         """Those of every answer; `host` is the request's, if it is a known one, else empty."""
@@ -226,20 +257,15 @@ class Guard:
         return Decision(HTTPStatus.SEE_OTHER, headers=(*headers, ("Location", "/")))
 
     def _wrong_token(self, request: Request, tokens: list[str]) -> Decision | None:
-        """Refuse wrong tokens, and beyond a rate all tokens of a peer that could be guessed."""
-        peer = network(request.peer)
-        heard = self._wrong.has(peer)
-        right = len(tokens) == 1 and self.access.accepts_token(tokens[0])
-        if right and (heard or self.access.generated):
+        """Refuse wrong tokens, beyond a rate of a peer after a while.
+
+        The right one is heard at once, whatever else comes from there: a peer may be many people.
+        """
+        if len(tokens) == 1 and self.access.accepts_token(tokens[0]):
             return None
-        if not heard:
-            return _refused(
-                HTTPStatus.TOO_MANY_REQUESTS,
-                "too many wrong tokens",
-                headers=(("Retry-After", "5"),),
-            )
-        self._wrong.take(peer)
-        return _refused(HTTPStatus.UNAUTHORIZED, "wrong token", _HOW_TO_ENTER)
+        refusal = _refused(HTTPStatus.UNAUTHORIZED, "wrong token", _HOW_TO_ENTER)
+        heard = self._wrong.take(network(request.peer))
+        return refusal if heard else replace(refusal, delay=self.limits.wrong_token_s)
 
     def _outside(self, request: Request) -> Decision:
         if not request.upgrade and _from_another_sites_link(request):
@@ -265,17 +291,36 @@ class Guard:
 
 def network(peer: str) -> str:
     """One peer: an IPv4 address, or an IPv6 network of 64 bits."""
-    try:
-        address = ipaddress.ip_address(peer.partition("%")[0])
-    except ValueError:
+    address = _address(peer)
+    if address is None:
         return "unknown"
-    if isinstance(address, ipaddress.IPv4Address):
-        return str(address)
-    if address.ipv4_mapped is not None:
-        return str(address.ipv4_mapped)
-    if address.is_loopback:
+    if isinstance(address, ipaddress.IPv4Address) or address.is_loopback:
         return str(address)
     return str(ipaddress.ip_network((address, 64), strict=False))
+
+
+def _address(text: str) -> IPAddress | None:
+    """The address in a text, which may have a port; None: there is none."""
+    text = text.strip()
+    if text.startswith("["):
+        text = text[1:].partition("]")[0]
+    elif text.count(":") == 1:
+        text = text.partition(":")[0]
+    try:
+        address = ipaddress.ip_address(text.partition("%")[0])
+    except ValueError:
+        return None
+    return getattr(address, "ipv4_mapped", None) or address
+
+
+def _proxy(text: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
+    try:
+        return ipaddress.ip_network(text)
+    except ValueError as error:
+        raise InputError(
+            f"--proxy: expected an address or a network, for example 127.0.0.1 or 10.0.0.0/8, got "
+            f"{text!r:.80}"
+        ) from error
 
 
 def _refused(

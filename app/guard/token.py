@@ -40,8 +40,6 @@ class Access:
         self.token = token  # at least 16 URL-safe characters; None: none is needed
         # part of the cookie's name: browsers keep those of all ports of a host together
         self.port = port
-        # the token has 256 random bits, so that it cannot be found by trying
-        self.generated = False
         self._now = now
 
     @classmethod
@@ -49,9 +47,7 @@ class Access:
         """Access by a given token, by none ("none"), or by a generated one (None)."""
         if token == NONE:
             return cls(None)
-        access = cls(secrets.token_urlsafe(_BYTES) if token is None else token)
-        access.generated = token is None
-        return access
+        return cls(secrets.token_urlsafe(_BYTES) if token is None else token)
 
     @property
     def required(self) -> bool:

@@ -26,7 +26,7 @@ from websockets.protocol import State
 from websockets.typing import Data
 
 from app.guard.limits import TokenBucket
-from app.guard.policy import Guard, Header, Request, network
+from app.guard.policy import Guard, Header, Request
 
 Handler = Callable[[ServerConnection], Awaitable[None]]
 
@@ -49,7 +49,8 @@ class Connection(ServerConnection):
         self._messages, self._controls = TokenBucket(limits.messages), TokenBucket(limits.controls)
         self._slowed_since: float | None = None
         self._fragments = 0
-        self.peer = "unknown"  # the other side's address, or its network of IPv6
+        self.address = "unknown"  # of the other side
+        self.peer = "unknown"  # that it counts as: of whom a proxy says that a request is
         self.method = self.host = ""  # of its request, once that begins, and if it is a known one
         self.silent = True  # nothing came since it was opened as a tab
         self.taken_at = self.loop.time()  # s, when it last took nearly all that was sent
@@ -57,7 +58,9 @@ class Connection(ServerConnection):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Count it."""
         address = transport.get_extra_info("peername")
-        self.peer = network(str(address[0])) if address else "unknown"
+        if address:
+            self.address = str(address[0])
+            self.peer = self._guard.peer_of(self.address)
         super().connection_made(transport)
         size = self._guard.limits.socket_bytes
         transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, size)
@@ -213,15 +216,19 @@ class Door:
 
     # ---- requests
 
-    def _answer(self, connection: ServerConnection, sent: SentRequest) -> Response | None:
+    async def _answer(self, connection: ServerConnection, sent: SentRequest) -> Response | None:
         assert isinstance(connection, Connection)
         try:
-            return self._decide(connection, sent)
+            delay, answer = self._decide(connection, sent)
         except Exception as error:
             self._defect(error)
             raise
+        await asyncio.sleep(delay)
+        return answer
 
-    def _decide(self, connection: Connection, sent: SentRequest) -> Response | None:
+    def _decide(self, connection: Connection, sent: SentRequest) -> tuple[float, Response | None]:
+        forwarded = sent.headers.get_all("X-Forwarded-For")
+        connection.peer = self.guard.peer_of(connection.address, forwarded)
         request = Request.of(
             connection.method, sent.path, sent.headers.raw_items(), connection.peer
         )
@@ -235,7 +242,7 @@ class Door:
             connection.host = request.host
         if decision.status is HTTPStatus.SWITCHING_PROTOCOLS:
             self._admit(connection)
-            return None
+            return decision.delay, None
         if decision.status is HTTPStatus.OK and not decision.body:
             gzipped = "gzip" in ",".join(request.values("accept-encoding"))
             headers = {
@@ -245,10 +252,12 @@ class Door:
                 "Cache-Control": "no-cache",
                 "Vary": "Accept-Encoding, Cookie",
             }
-            return _response(decision.status, self._page(gzipped), headers.items())
+            return decision.delay, _response(decision.status, self._page(gzipped), headers.items())
         kind = "html" if decision.html else "plain"
         content = ("Content-Type", f"text/{kind}; charset=utf-8")
-        return _response(decision.status, decision.body.encode(), (content, *decision.headers))
+        return decision.delay, _response(
+            decision.status, decision.body.encode(), (content, *decision.headers)
+        )
 
     def _complete(
         self, connection: ServerConnection, _: SentRequest, answer: Response

@@ -216,23 +216,23 @@ def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warn
     assert err.startswith("warning: --token none: anybody who reaches") is warned
 
 
-def test_a_bad_token_is_one_line_and_nothing_is_served(monkeypatch, capfd):
-    monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
-    assert cli.main(["serve", "--port", "0", "--token", "short"]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none'" in err
-
-
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
+        (
+            ["--token", "short"],
+            "--token: expected 16 to 256 letters, digits, '-' or '_', or 'none'",
+        ),
+        (["--proxy", "nginx"], "--proxy: expected an address or a network, for example 127.0.0.1"),
         (["--workers", "0"], "--workers: expected 1 to 64, got 0"),
         (["--workers", "65"], "--workers: expected 1 to 64, got 65"),
         (["--scheduler", "tcp://127.0.0.1:8786"], "expected --workers N for more processes"),
     ],
 )
-def test_processes_that_cannot_be_are_one_line_and_nothing_is_served(arguments, line, capfd):
+def test_options_that_cannot_be_are_one_line_and_nothing_is_served(
+    arguments, line, capfd, monkeypatch
+):
+    monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
     assert cli.main(["serve", "--port", "0", *arguments]) == 2
     out, err = capfd.readouterr()
     assert (out, err.count("\n")) == ("", 1)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from app.guard.limits import Limits, Rate, TokenBucket
 from app.guard.policy import Guard, Request, network
 from app.guard.token import Access
+from llsrbm.errors import InputError
 
 TOKEN = "a-token-of_32-characters-exactly"
 HOST = "10.0.0.1:8080"
@@ -172,29 +173,53 @@ def test_the_token_becomes_a_cookie_and_leaves_the_address():
     assert "Set-Cookie" not in dict(again.headers)
 
 
-def test_wrong_tokens_are_slowed():
+def test_wrong_tokens_are_answered_late_and_keep_no_right_one_out():
+    """Behind a proxy all people are one peer."""
     clock = Clock()
     outside = guard(TOKEN, loopback=False, now=clock)
 
-    def enter(token, peer="10.0.0.9"):
-        return status(outside, *OWN, target=f"/?token={token}", peer=peer)
+    def enter(token):
+        decision = outside.decide(request(*OWN, target=f"/?token={token}"))
+        return int(decision.status), decision.delay
 
-    assert [enter("wrong") for _ in range(12)] == [401] * 10 + [429] * 2
-    assert enter(TOKEN) == 429  # or guesses would go on
-    assert enter(TOKEN, peer="10.0.0.8") == 303
-    assert status(outside, *OWN, *cookie(outside)) == 200  # whoever is in stays in
+    assert [enter("wrong") for _ in range(12)] == [(401, 0.0)] * 10 + [(401, 5.0)] * 2
+    for _ in range(100):
+        enter("wrong")
+        assert enter(TOKEN) == (303, 0.0)
     clock.now += 5.0
-    assert enter(TOKEN) == 303
-    assert [enter("wrong") for _ in range(2)] == [401, 429]
+    assert [enter("wrong") for _ in range(2)] == [(401, 0.0), (401, 5.0)]
 
 
-def test_guesses_of_a_generated_token_keep_nobody_out():
-    access = Access.chosen(None)
-    outside = Guard(access, (), loopback=True, now=Clock())
-    for _ in range(20):
-        last = status(outside, *OWN, target="/?token=wrong")
-    assert last == 429
-    assert status(outside, *OWN, target=f"/?token={access.token}") == 303
+@pytest.mark.parametrize(
+    ("address", "forwarded", "peer"),
+    [
+        ("10.0.0.9", ["203.0.113.7"], "10.0.0.9"),  # anybody can write that
+        ("127.0.0.1", [], "127.0.0.1"),
+        ("127.0.0.1", ["203.0.113.7"], "203.0.113.7"),
+        ("::ffff:127.0.0.1", ["203.0.113.7:4711"], "203.0.113.7"),
+        ("127.0.0.1", ["2001:db8::1"], "2001:db8::/64"),
+        ("127.0.0.1", ["[2001:db8::1]:80"], "2001:db8::/64"),
+        # The proxy adds the last one; a visitor may have made up the others.
+        ("127.0.0.1", ["198.51.100.1, 203.0.113.7"], "203.0.113.7"),
+        ("127.0.0.1", ["198.51.100.1", "203.0.113.7"], "203.0.113.7"),
+        ("127.0.0.1", ["198.51.100.1, 203.0.113.7, 10.1.2.3"], "203.0.113.7"),
+        ("127.0.0.1", ["203.0.113.7, unknown"], "127.0.0.1"),
+        ("127.0.0.1", ["", "10.1.2.3"], "10.1.2.3"),
+    ],
+)
+def test_a_known_proxy_says_who_a_request_is_of(address, forwarded, peer):
+    proxied = Guard(Access(None), (), loopback=True, proxies=("127.0.0.1", "10.1.0.0/16"))
+    assert proxied.peer_of(address, forwarded) == peer
+
+
+def test_a_proxy_that_is_not_known_is_one_line(caplog):
+    plain = guard()
+    for _ in range(3):
+        assert plain.peer_of("10.1.2.3", ["203.0.113.7"]) == "10.1.2.3"
+    (line,) = caplog.messages
+    assert line.endswith("expected --proxy 10.1.2.3")
+    with pytest.raises(InputError, match="--proxy: expected an address or a network"):
+        Guard(Access(None), (), loopback=True, proxies=("proxy.example",))
 
 
 def test_behind_tls_the_cookie_is_secure():

@@ -43,7 +43,9 @@ SMALL = Limits(
 
 @pytest.fixture(scope="module")
 def page():
-    with design_page(Guard(Access(None), (), loopback=True, limits=SMALL)) as running:
+    proxies = ("127.0.0.1",)  # of those requests that say who they are of
+    guard = Guard(Access(None), (), loopback=True, proxies=proxies, limits=SMALL)
+    with design_page(guard) as running:
         yield running
 
 
@@ -101,6 +103,28 @@ def test_failed_handshakes_leave_nothing_behind(page, door):
                 with socket.create_connection(("127.0.0.1", page.port)) as plain:
                     plain.sendall(b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nUpgrade: websocket\r\n")
     wait_until(lambda: not door.pending | door.tabs, "all gone")
+
+
+def test_behind_a_proxy_each_visitor_has_limits_of_his_own(page, door):
+    visitors = [{"X-Forwarded-For": f"203.0.113.{number}"} for number in range(2)]
+    camera = msgspec.msgpack.encode(CAMERA)
+    with contextlib.ExitStack() as stack:
+        for _ in range(SMALL.tabs_per_peer):
+            stack.enter_context(opened(page, additional_headers=visitors[0])).send(camera)
+        wait_until(lambda: not any(tab.silent for tab in door.tabs), "their messages")
+        assert asked(page.port, headers=UPGRADE | visitors[0]).status == 503
+        stack.enter_context(opened(page, additional_headers=visitors[1])).send(camera)
+        assert {tab.peer for tab in door.tabs} == {"203.0.113.0", "203.0.113.1"}
+
+
+def test_a_wrong_token_beyond_the_rate_is_answered_after_a_while():
+    limits = Limits(wrong_tokens=Rate(0.01, 1.0), wrong_token_s=0.5)
+    with design_page(Guard(Access("t" * 16), (), loopback=True, limits=limits)) as slow:
+        asked(slow.port, "/?token=wrong")
+        began = time.monotonic()
+        assert asked(slow.port, "/?token=wrong").status == 401
+        assert time.monotonic() - began >= 0.5
+        assert asked(slow.port, f"/?token={'t' * 16}").status == 303
 
 
 def test_the_tab_beyond_the_limit_is_refused_and_one_that_goes_makes_room(page, door):
