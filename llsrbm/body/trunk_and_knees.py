@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import coal
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,18 +24,7 @@ def trunk_box(robot: Robot) -> Array:
     """(2, 3) m: lowest and highest corner of the root link's collision geometry, base axes. Raises
     `RobotFileError`: it has none.
     """
-    points = []
-    for shape in collision_shapes(robot):
-        if shape.parentJoint != BASE_JOINT:
-            continue
-        geometry = shape.geometry
-        if isinstance(geometry, coal.BVHModelBase):
-            corners = np.array(geometry.vertices())
-        else:
-            geometry.computeLocalAABB()
-            ends = np.array([geometry.aabb_local.min_, geometry.aabb_local.max_])
-            corners = np.array(np.meshgrid(*ends.T)).reshape(3, -1).T
-        points.append(corners @ shape.placement.rotation.T + shape.placement.translation)
+    points = [shape.corners for shape in collision_shapes(robot) if shape.joint == BASE_JOINT]
     if not points:
         raise RobotFileError(
             f"{robot.path}: urdf: the base of {robot.urdf_path} has no collision geometry; "

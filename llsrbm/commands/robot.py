@@ -47,13 +47,11 @@ def new_command(
 
     package, colon, inside = urdf.partition(":")
     if colon and not Path(urdf).exists():
-        share = package_share(package, Path(urdf))
-        path = share / package / "robots" / inside
-        dirs: tuple[Path, ...] = (share,)
+        path = package_share(package, Path(urdf)) / package / "robots" / inside
         table = {"package": package, "path": inside}
     else:
         path = Path(urdf).absolute()
-        table, dirs = {}, (path.parent, path.parent.parent)
+        table = {}
     if not path.is_file():
         raise InputError(f"{urdf}: no such file; expected a URDF")
     name = name or re.sub(r"[^a-z0-9_-]+", "_", path.stem.lower()).strip("_-") or "robot"
@@ -62,7 +60,7 @@ def new_command(
     out = Path(f"{name}.toml") if out is None else out
     if out.exists() and not force:
         raise InputError(f"{out}: there is a file already; expected --force to replace it")
-    anatomy = draft.read_anatomy(path, dirs)
+    anatomy = draft.read_anatomy(path)
     proposal = draft.propose(anatomy)
     table = table or draft.urdf_beside(path, out)
     _write_checked(out, draft.robot_file_text(name, table, anatomy, proposal))

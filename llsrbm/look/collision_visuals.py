@@ -6,20 +6,16 @@ from collections import defaultdict
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-import coal
 import numpy as np
-from numpy.typing import NDArray
 
-from llsrbm.look.visuals import LinkVisual, link_visual, link_visuals, needs_preparation
+from llsrbm.look.visuals import GREY, LinkVisual, link_visual, link_visuals, needs_preparation
 from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.solids import PlacedSolid
 
 if TYPE_CHECKING:
-    import pinocchio as pin
     import trimesh
 
-_GREY = (148, 156, 166)  # of all bodies: it is a stand-in, and shows it
-_ROUND = 20  # faces around a cylinder
 _MANY_FACES = 2000  # of a mesh; G1's arms and head have 70,000
 _HULL_FACES = 400
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
@@ -41,53 +37,34 @@ def collision_visuals(robot: Robot) -> tuple[LinkVisual, ...]:
     """The URDF's collision shapes, one grey mesh a moving body that has any; `RobotFileError`."""
     shapes: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
     for shape in collision_shapes(robot):
-        mesh = _mesh(shape)
-        if mesh is not None:
-            shapes[shape.parentJoint].append(mesh)
+        shapes[shape.joint] += [_grey(mesh) for mesh in _light(shape)]
     return tuple(
         link_visual(robot.model, joint, pieces) for joint, pieces in sorted(shapes.items())
     )
 
 
-def _mesh(shape: pin.GeometryObject) -> trimesh.Trimesh | None:
+def _light(shape: PlacedSolid) -> list[trimesh.Trimesh]:
+    """Its meshes; of one with many faces its convex hull, as which the trunk is simulated, too."""
     import trimesh
 
-    geometry = shape.geometry
-    match geometry:
-        case coal.Sphere():
-            mesh = trimesh.creation.icosphere(subdivisions=2, radius=geometry.radius)
-        case coal.Box():
-            mesh = trimesh.creation.box(extents=2.0 * np.asarray(geometry.halfSide))
-        case coal.Cylinder():
-            mesh = trimesh.creation.cylinder(
-                radius=geometry.radius, height=2.0 * geometry.halfLength, sections=_ROUND
-            )
-        case coal.BVHModelBase():
-            mesh = _mesh_or_hull(geometry)
-        case _:
-            return None
-    mesh = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
-    normals = np.asarray(mesh.vertex_normals)
-    grey = np.tile(np.array(_GREY, dtype=np.uint8), (len(mesh.vertices), 1))
-    moved = trimesh.Trimesh(
-        mesh.vertices, mesh.faces, vertex_normals=normals, vertex_colors=grey, process=False
+    meshes = list(shape.meshes())
+    if sum(len(mesh.faces) for mesh in meshes) <= _MANY_FACES:
+        return meshes
+    hull = trimesh.convex.convex_hull(shape.corners)
+    few = len(hull.faces) <= _HULL_FACES
+    return [hull if few else hull.simplify_quadric_decimation(face_count=_HULL_FACES)]
+
+
+def _grey(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    import trimesh
+
+    plain = trimesh.Trimesh(mesh.vertices, mesh.faces)
+    smooth = trimesh.graph.smooth_shade(plain, angle=_CREASE, facet_minarea=None)
+    colour = np.array([int(255 * share) for share in GREY], dtype=np.uint8)
+    return trimesh.Trimesh(
+        smooth.vertices,
+        smooth.faces,
+        vertex_normals=np.asarray(smooth.vertex_normals),
+        vertex_colors=np.tile(colour, (len(smooth.vertices), 1)),
+        process=False,
     )
-    moved.apply_transform(shape.placement.homogeneous)
-    return moved
-
-
-def _mesh_or_hull(geometry: coal.BVHModelBase) -> trimesh.Trimesh:
-    """A mesh; of one with many faces its convex hull, as which the trunk is simulated, too."""
-    import trimesh
-
-    vertices = np.asarray(geometry.vertices())
-    if geometry.num_tris > _MANY_FACES:
-        hull = trimesh.convex.convex_hull(vertices)
-        few = len(hull.faces) <= _HULL_FACES
-        return hull if few else hull.simplify_quadric_decimation(face_count=_HULL_FACES)
-    return trimesh.Trimesh(vertices, _triangles(geometry))
-
-
-def _triangles(geometry: coal.BVHModelBase) -> NDArray[np.int64]:
-    triangles = (geometry.tri_indices(i) for i in range(geometry.num_tris))
-    return np.array([[triangle[k] for k in range(3)] for triangle in triangles], dtype=np.int64)

@@ -8,7 +8,6 @@ textures become vertex colours. The result is cached.
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,19 +21,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
-from llsrbm.look.meshes import coarser, face_shares, readable, simplified
+from llsrbm.look.meshes import coarser, face_shares, simplified
 from llsrbm.mechanics import rotation_matrices
+from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
-from llsrbm.robots.urdf import mesh_files, mesh_path, mesh_stamps
+from llsrbm.robots.solids import placed_solids
 
 if TYPE_CHECKING:
     import trimesh
 
 Array = NDArray[np.float64]
 
-VISUALS_VERSION = "5"  # part of the cache key: raise it when the meshes change
+VISUALS_VERSION = "6"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 COARSE_FACES = 8_000
+GREY = (0.58, 0.61, 0.65)  # of shapes that stand in for what is drawn
 _BLACK, _ROUGHNESS = 0.17, 0.55  # darkest grey, 0 to 1; 1 reflects nothing
 """A robot with more of them has coarse meshes as well, with a third of the faces or so, for
 browsers without a graphics processor."""
@@ -120,7 +121,7 @@ def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...
     `coarse`: with fewer faces, see `COARSE_FACES`.
 
     Raises:
-        RobotFileError: the URDF names a mesh that is missing or cannot be read.
+        RobotFileError: a mesh cannot be read, or there is nothing to draw.
     """
     path = _entry(robot, coarse=coarse)
     stored = read_arrays(path)
@@ -134,7 +135,7 @@ def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...
 
 def needs_preparation(robot: Robot) -> bool:
     """True if `link_visuals` would take seconds: meshes that were not prepared on this machine."""
-    return bool(mesh_files(robot.urdf_path)) and not _entry(robot, coarse=True).exists()
+    return bool(robot.urdf.meshes) and not _entry(robot, coarse=True).exists()
 
 
 def forward_kinematics(
@@ -225,80 +226,53 @@ def _rounded(arrays: list[Array], step: float) -> NDArray[np.float32]:
 
 
 def _coloured_parts(robot: Robot) -> dict[tuple[int, Any], trimesh.Trimesh]:
-    """Meshes with vertex colours in the joint's frame: one a joint and colour, or texture."""
+    """Meshes with vertex colours in the joint's frame: one a joint and colour, or texture.
+
+    A body that the URDF draws nothing of has its collision shapes, in grey.
+    """
     import trimesh
 
-    scene = _load_scene(robot)
-    model = robot.model
     found: dict[tuple[int, Any], list[trimesh.Trimesh]] = defaultdict(list)
-    for node in scene.graph.nodes_geometry:
-        link = scene.graph.transforms.parents[node]
-        while not model.existFrame(link, pin.FrameType.BODY):
-            link = scene.graph.transforms.parents[link]
-        frame = model.frames[model.getFrameId(link, pin.FrameType.BODY)]
-        T_link_part, geometry = scene.graph.get(node, frame_from=link)
-        mesh = scene.geometry[geometry]
-        if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-            continue
-        colours = _vertex_colours(mesh)
-        plain = (colours == colours[0]).all()
-        piece = trimesh.Trimesh(
-            mesh.vertices, mesh.faces, vertex_colors=colours, process=False, validate=False
+    solids = placed_solids(robot.urdf, robot.model, "visuals")
+    drawn = {solid.joint for solid in solids}
+    bare = [solid for solid in collision_shapes(robot) if solid.joint not in drawn]
+    if not solids and not bare:
+        raise RobotFileError(
+            f"{robot.path}: urdf: {robot.urdf_path} has neither visual nor collision shapes; "
+            "expected some, or there is nothing to draw"
         )
-        piece.apply_transform(frame.placement.homogeneous @ T_link_part)
-        colour = tuple(colours[0].tolist()) if plain else node
-        found[frame.parentJoint, colour].append(piece)
-    if not found:
-        _log.warning("%s has no visual meshes; there is nothing to draw", robot.urdf_path)
+    for place, solid in enumerate((*solids, *bare)):
+        for number, mesh in enumerate(solid.meshes()):
+            colours = _vertex_colours(mesh, GREY if solid in bare else solid.solid.colour)
+            plain = (colours == colours[0]).all()
+            piece = trimesh.Trimesh(
+                mesh.vertices, mesh.faces, vertex_colors=colours, process=False, validate=False
+            )
+            colour = tuple(colours[0].tolist()) if plain else (place, number)
+            found[solid.joint, colour].append(piece)
     return {key: trimesh.util.concatenate(pieces) for key, pieces in found.items()}
-
-
-def _load_scene(robot: Robot) -> trimesh.Scene:
-    import yourdfpy
-
-    with tempfile.TemporaryDirectory() as scratch:
-        files: dict[str, Path] = {}
-
-        def resolve(fname: str) -> str:
-            if fname not in files:
-                found = mesh_path(robot.urdf_path, robot.package_dirs, fname)
-                if found is None:
-                    raise RobotFileError(
-                        f"{robot.path}: urdf: {robot.urdf_path} names a mesh that is missing: "
-                        f"{fname}"
-                    )
-                files[fname] = readable(found, Path(scratch))
-            return str(files[fname])
-
-        loader = yourdfpy.URDF.load(
-            str(robot.urdf_path), filename_handler=resolve, load_collision_meshes=False
-        )
-    scene = loader.scene
-    drawn = {scene.graph.transforms.parents[node] for node in scene.graph.nodes_geometry}
-    for link in loader.robot.links:
-        if link.visuals and link.name not in drawn:
-            _log.warning("nothing could be read from the visuals of link %s", link.name)
-    return scene
 
 
 def _entry(robot: Robot, *, coarse: bool) -> Path:
     kind = "coarse" if coarse else "visuals"
-    urdf = robot.urdf_path.read_text(encoding="utf-8")
-    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
-    key = content_key(kind, VISUALS_VERSION, urdf, str(FACES), *stamps)
+    stamps = robot.urdf.mesh_stamps()
+    key = content_key(kind, VISUALS_VERSION, robot.urdf.content, str(FACES), *stamps)
     return cache_path(f"{kind}-{robot.name}", key, ".npz")
 
 
-def _vertex_colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8]:
-    """(V, 3) colours of a mesh, out of its texture, its material or its faces."""
+def _vertex_colours(mesh: trimesh.Trimesh, urdfs: Sequence[float] | None) -> NDArray[np.uint8]:
+    """(V, 3) colours of a mesh: of its texture or its material, else the URDF's, else its own."""
     visual = mesh.visual
     if visual.kind == "texture":
         image = getattr(visual.material, "baseColorTexture", None)
         image = image or getattr(visual.material, "image", None)
-        if image is None or visual.uv is None:
-            colour = np.asarray(visual.material.main_color, dtype=np.uint8)[:3]
-            return np.tile(colour, (len(mesh.vertices), 1))
-        visual = visual.to_color()
+        if image is not None and visual.uv is not None:
+            colours = np.asarray(visual.to_color().vertex_colors, dtype=np.uint8)
+            return colours[:, :3]
+        urdfs = [share / 255.0 for share in visual.material.main_color]
+    if urdfs is not None:
+        colour = np.array([int(255 * share) for share in urdfs[:3]], dtype=np.uint8)
+        return np.tile(colour, (len(mesh.vertices), 1))
     return np.asarray(visual.vertex_colors, dtype=np.uint8)[:, :3]
 
 

@@ -7,7 +7,6 @@ the robot's own URDF: joints that its file holds stand among them where they are
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -21,7 +20,7 @@ from llsrbm.errors import InputError
 from llsrbm.mechanics import quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
-from llsrbm.robots.urdf import BASE_JOINT, load_model
+from llsrbm.robots.urdf import BASE_JOINT, pinocchio_model
 
 Array = NDArray[np.float64]
 
@@ -100,7 +99,7 @@ def _joint_order(robot: Robot, joints: tuple[str, ...]) -> JointOrder:
 @lru_cache(maxsize=32)
 def _own_model(robot: Robot) -> pin.Model:
     """Of the URDF that the robot's file names, in which nothing is held."""
-    return load_model(robot.urdf_source, robot.path)
+    return pinocchio_model(robot.urdf_source, str(robot.path))
 
 
 @lru_cache(maxsize=32)
@@ -164,18 +163,10 @@ def _tree(robot: Robot) -> tuple[str, _Steps]:
     """The root link, and what moves on what, as it stands in the URDF; links that are welded to a
     body are part of it.
     """
-    urdf = ET.parse(robot.urdf_source).getroot()  # noqa: S314  the user's own file, read before
+    urdf = robot.urdf_source
     children: _Steps = defaultdict(list)
-    carried = set()
-    for joint in urdf.findall("joint"):
-        parent, child = joint.find("parent"), joint.find("child")
-        assert parent is not None
-        assert child is not None  # Pinocchio has read it
-        children[parent.attrib["link"]].append((joint.attrib["name"], child.attrib["link"]))
-        carried.add(child.attrib["link"])
-    root = next(
-        link.attrib["name"] for link in urdf.findall("link") if link.attrib["name"] not in carried
-    )
+    for joint in urdf.joints.values():
+        children[joint.parent].append((joint.name, joint.child))
     moved: _Steps = defaultdict(list)
     joints = set(urdf_joints(robot).joints)
 
@@ -187,8 +178,8 @@ def _tree(robot: Robot) -> tuple[str, _Steps]:
             else:
                 hang(child, body)
 
-    hang(root, root)
-    return root, moved
+    hang(urdf.root, urdf.root)
+    return urdf.root, moved
 
 
 def _depth_first(moved: _Steps, body: str) -> Iterator[tuple[str, str]]:

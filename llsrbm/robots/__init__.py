@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
-from llsrbm.robots.adapted_urdf import adapted_urdf
 from llsrbm.robots.arms import built_arms
+from llsrbm.robots.description import changed, read_description
 from llsrbm.robots.feet import check_soles, foot_lift
 from llsrbm.robots.leg_fit import load_or_fit
 from llsrbm.robots.legs import LegChains, solve_legs
@@ -21,11 +21,13 @@ from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.schema import RobotFile, read_robot_file, robot_files
 from llsrbm.robots.urdf import (
     BASE_JOINT,
+    check_drives,
     check_joints,
+    check_moving,
     find_urdf,
     frame_id,
     joint_chain,
-    load_model,
+    pinocchio_model,
 )
 
 __all__ = ["Leg", "Robot", "RobotFile", "build_robot", "load_robot", "names", "read_robot_file"]
@@ -59,13 +61,13 @@ def load_robot(name_or_path: str) -> Robot:
     path = _path(name_or_path)
     key = str(path.absolute())
     kept = _kept.get(key)
-    if kept is not None and _stamp(path, *_urdfs(kept[1])) == kept[0]:
+    if kept is not None and _stamp(path, kept[1].urdf_path) == kept[0]:
         return kept[1]
     # Taken before the file is read: a change meanwhile is then noticed the next time.
     stamp = _stamp(path)
     robot = build_robot(path)
     _kept.pop(key, None)
-    _kept[key] = (stamp + _stamp(*_urdfs(robot)), robot)
+    _kept[key] = (stamp + _stamp(robot.urdf_path), robot)
     for oldest in list(_kept)[:-_KEPT]:
         _kept.pop(oldest, None)
     return robot
@@ -77,10 +79,6 @@ def _path(name_or_path: str) -> Path:
     if name_or_path.endswith(".toml") or os.sep in name_or_path:
         return Path(name_or_path)
     return look_up("robot", name_or_path, robot_files(), "or the path of a robot file (.toml)")
-
-
-def _urdfs(robot: Robot) -> tuple[Path, Path]:
-    return robot.urdf_source, robot.urdf_path
 
 
 def _stamp(*paths: Path) -> _Stamp:
@@ -104,10 +102,13 @@ def build_robot(path: str | Path) -> Robot:
     """
     path = Path(path).resolve()
     file = read_robot_file(path)
-    urdf_source, package_dirs = find_urdf(file, path)
+    urdf_path = find_urdf(file, path)
+    where = f"{path}: urdf: {urdf_path}"
+    source = read_description(urdf_path, where)
     feet = {name: spec.foot for name, spec in file.legs.items()}
-    urdf_path, package_dirs = adapted_urdf(urdf_source, package_dirs, file.urdf, feet, path)
-    model = load_model(urdf_path, path)
+    urdf = changed(source, file.urdf, feet, str(path))
+    model = pinocchio_model(urdf, where)
+    check_moving(urdf, model, where)
     limbs = (*file.legs, *file.arms)
     joint_ids = {name: joint_chain(model, file, path, name) for name in limbs}
     check_joints(model, file, path, joint_ids)
@@ -127,8 +128,8 @@ def build_robot(path: str | Path) -> Robot:
         file=file,
         path=path,
         urdf_path=urdf_path,
-        urdf_source=urdf_source,
-        package_dirs=package_dirs,
+        urdf_source=source,
+        urdf=urdf,
         model=model,
         chains=chains,
         legs=legs,
@@ -142,6 +143,7 @@ def build_robot(path: str | Path) -> Robot:
         base_position=posture[:3].copy(),
         load_fit=load_or_fit,
     )
+    check_drives(robot, where)
     if robot.foot_coordinates > 3:
         check_soles(robot)
         return robot

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-import coal
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.robot import Leg, Robot
-from llsrbm.robots.urdf import collision_geometry
+from llsrbm.robots.solids import PlacedSolid, placed_solids
 
 Array = NDArray[np.float64]
 
@@ -46,17 +44,17 @@ def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
     return tuple(_foot_contact(robot, leg, shapes) for leg in robot.legs)
 
 
-def collision_shapes(robot: Robot) -> list[pin.GeometryObject]:
+def collision_shapes(robot: Robot) -> list[PlacedSolid]:
     """The URDF's collision geometry, placed in the frames of `robot.model`'s joints."""
-    return collision_geometry(robot.model, robot.urdf_path, robot.package_dirs, robot.path)
+    return placed_solids(robot.urdf, robot.model, "collisions")
 
 
-def _foot_contact(robot: Robot, leg: Leg, shapes: list[pin.GeometryObject]) -> FootContact:
+def _foot_contact(robot: Robot, leg: Leg, shapes: list[PlacedSolid]) -> FootContact:
     frame = robot.model.frames[leg.foot_frame_id]
     spheres = [
-        (frame.placement.actInv(shape.placement.translation), float(shape.geometry.radius))
+        (frame.placement.actInv(shape.placement.translation), shape.solid.size[0])
         for shape in shapes
-        if shape.parentJoint == frame.parentJoint and isinstance(shape.geometry, coal.Sphere)
+        if shape.joint == frame.parentJoint and shape.is_sphere
     ]
     radius = robot.file.foot.radius
     if spheres:

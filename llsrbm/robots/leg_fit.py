@@ -91,7 +91,7 @@ def fit_legs(robot: Robot, samples: int = 1600, seed: int = 0) -> LegFit:
 def load_or_fit(robot: Robot) -> LegFit:
     """The robot's leg maps from the user's cache, or fitted and put there."""
     tables = robot.file.model_dump_json(exclude=_NOT_OF_LEGS)
-    key = content_key("leg fit", FIT_VERSION, robot.urdf_path, tables)
+    key = content_key("leg fit", FIT_VERSION, robot.urdf.content, tables)
     path = cache_path(f"leg-fits-{robot.name}", key, ".npz")
     stored = read_arrays(path)
     if stored is not None:

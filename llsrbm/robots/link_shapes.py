@@ -23,7 +23,6 @@ from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
-from llsrbm.robots.urdf import mesh_stamps
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -233,8 +232,7 @@ def _transform(placement: pin.SE3) -> coal.Transform3s:
 def _that_can_meet(robot: Robot, shapes: tuple[Shape, ...]) -> list[Pair]:
     """Found by random postures, or taken from the cache."""
     posture = " ".join(repr(float(angle)) for angle in robot.posture[7:])
-    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
-    key = content_key(_METHOD, robot.urdf_path.read_bytes(), posture, *stamps)
+    key = content_key(_METHOD, robot.urdf.content, posture, *robot.urdf.mesh_stamps())
     path = cache_path(f"link-pairs-{robot.name}", key, ".npz")
     stored = read_arrays(path)
     if stored is None:

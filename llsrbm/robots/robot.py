@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.robots.description import Description
 from llsrbm.robots.leg_maps import LegFit
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import RobotFile
@@ -83,9 +84,8 @@ class Robot:
 
     Attributes:
         file: the robot file's content; path: where it lies.
-        urdf_path: the URDF, with the file's held joints fixed and its frames added.
-        urdf_source: the URDF that the file names; without such tables the same.
-        package_dirs: where `package://` names in it are looked up.
+        urdf_path: the URDF that the file names; urdf_source: what it says.
+        urdf: the same with the file's held joints fixed and its frames added.
         model: Pinocchio model with a free flyer at the root link. Do not change it.
         chains: the legs' kinematics, the base at rest.
         legs, arms: in the order of the file.
@@ -103,8 +103,8 @@ class Robot:
     file: RobotFile
     path: Path
     urdf_path: Path
-    urdf_source: Path
-    package_dirs: tuple[Path, ...]
+    urdf_source: Description
+    urdf: Description
     model: pin.Model
     chains: LegChains
     legs: tuple[Leg, ...]

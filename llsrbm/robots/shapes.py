@@ -1,4 +1,4 @@
-"""Convex shapes of a robot's links: boxes, cylinders, spheres and hulls of a few points.
+"""Convex shapes of a robot's links: boxes, spheres, cylinders, capsules, hulls of a few points.
 
 They are the URDF's collision shapes; of a mesh its convex hull. A body without any (Go2's front
 hips, SLIDER's legs) has its visual shapes, treated alike, and so has a sole of which the URDF knows
@@ -13,18 +13,18 @@ from typing import Literal
 
 import coal
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
+from llsrbm.errors import RobotFileError
 from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.robot import Leg, Robot
-from llsrbm.robots.urdf import mesh_stamps, visual_geometry
+from llsrbm.robots.solids import PlacedSolid, convex_hull, placed_solids
 
 Array = NDArray[np.float64]
 
-Kind = Literal["sphere", "box", "cylinder", "hull"]
+Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 _DIAGONALS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
@@ -39,7 +39,7 @@ class Shape:
     Attributes:
         link: name in the URDF; joint: Pinocchio's index of the one that moves it.
         size: (3,) m: radius of a sphere; half lengths of a box; radius and half length along z of a
-            cylinder; filled up with zeros.
+            cylinder, and of a capsule without its caps; filled up with zeros.
         rotation, centre: (3, 3), (3,) m: the shape's frame in that of the joint.
         points: (n, 3) m, of a hull in the shape's frame.
         foot: whether its link is one that stands on the ground.
@@ -64,11 +64,10 @@ class Shape:
                 return coal.Box(*(2.0 * self.size))
             case "cylinder":
                 return coal.Cylinder(a, 2.0 * b)
+            case "capsule":
+                return coal.Capsule(a, 2.0 * b)
             case "hull":
-                points = coal.StdVec_Vec3s()
-                for point in self.points:
-                    points.append(point)
-                return coal.Convex.convexHull(points, False, "")
+                return convex_hull(self.points)
 
 
 @lru_cache(maxsize=16)
@@ -78,12 +77,13 @@ def link_shapes(robot: Robot) -> tuple[Shape, ...]:
     Raises:
         RobotFileError: the URDF's geometry cannot be read.
     """
-    stamps = mesh_stamps(robot.urdf_path, robot.package_dirs)
+    stamps = robot.urdf.mesh_stamps()
     if not stamps:
         return _shapes(robot)
-    urdf = robot.urdf_path.read_bytes()
     feet = repr((robot.file.foot, [leg.foot_frame for leg in robot.legs]))
-    path = cache_path(f"shapes-{robot.name}", content_key(_METHOD, urdf, feet, *stamps), ".npz")
+    path = cache_path(
+        f"shapes-{robot.name}", content_key(_METHOD, robot.urdf.content, feet, *stamps), ".npz"
+    )
     stored = read_arrays(path)
     if stored is not None:
         return _decode(stored)
@@ -95,15 +95,14 @@ def link_shapes(robot: Robot) -> tuple[Shape, ...]:
 def _shapes(robot: Robot) -> tuple[Shape, ...]:
     objects = collision_shapes(robot)
     feet = [_foot_link(robot, leg, objects) for leg in robot.legs]
-    bare = set(range(1, robot.model.njoints)) - {shape.parentJoint for shape in objects}
+    bare = set(range(1, robot.model.njoints)) - {shape.joint for shape in objects}
     if not robot.file.foot.is_point:
         bare |= {robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs}
     if bare:
-        visual = visual_geometry(robot.model, robot.urdf_path, robot.package_dirs, robot.path)
-        objects = [*objects, *(shape for shape in visual if shape.parentJoint in bare)]
+        visual = placed_solids(robot.urdf, robot.model, "visuals")
+        objects = [*objects, *(shape for shape in visual if shape.joint in bare)]
     balls = {} if not robot.file.foot.is_point else _balls(robot)
-    made = [_shape(robot, shape, feet) for shape in objects]
-    shapes = [shape for shape in made if shape is not None]
+    shapes = [_shape(shape, feet) for shape in objects]
     return tuple(
         shape
         if shape.foot or shape.joint not in balls
@@ -119,7 +118,7 @@ def _up_to_the_foot(shape: Shape, ball: Array, radius_of_ball: float) -> Shape:
     sinks in by as much as a robot lands.
     """
     short = SHORT * radius_of_ball
-    if shape.kind == "cylinder":
+    if shape.kind in ("cylinder", "capsule"):
         radius, half, _ = shape.size
         along = shape.rotation.T @ (ball - shape.centre)
         height = float(along[2])
@@ -147,47 +146,50 @@ def _balls(robot: Robot) -> dict[int, tuple[Array, float]]:
     }
 
 
-def _foot_link(robot: Robot, leg: Leg, objects: list[pin.GeometryObject]) -> str:
+def _foot_link(robot: Robot, leg: Leg, objects: list[PlacedSolid]) -> str:
     """The link with shapes that carries the frame of a foot."""
     frames = robot.model.frames
-    solid = {shape.parentFrame for shape in objects}
+    solid = {shape.link for shape in objects}
     frame = leg.foot_frame_id
     joint = frames[frame].parentJoint
-    while frame not in solid and frames[frames[frame].parentFrame].parentJoint == joint:
+    while (
+        frames[frame].name not in solid and frames[frames[frame].parentFrame].parentJoint == joint
+    ):
         frame = frames[frame].parentFrame
     return str(frames[frame].name)
 
 
-def _shape(robot: Robot, given: pin.GeometryObject, feet: list[str]) -> Shape | None:
-    geometry, link = given.geometry, str(robot.model.frames[given.parentFrame].name)
-    kind: Kind
-    size, points = np.zeros(3), np.empty((0, 3))
-    match geometry:
-        case coal.Sphere():
-            kind, size[0] = "sphere", geometry.radius
-        case coal.Box():
-            kind, size = "box", np.array(geometry.halfSide)
-        case coal.Cylinder():
-            kind, size[:2] = "cylinder", (geometry.radius, geometry.halfLength)
-        case coal.BVHModelBase():
-            kind, points = "hull", _outermost(np.array(geometry.vertices()))
-        case _:
-            return None
+def _shape(given: PlacedSolid, feet: list[str]) -> Shape:
+    solid, size, points = given.solid, np.zeros(3), np.empty((0, 3))
+    if solid.kind == "mesh":
+        points = _outermost(given)
+    elif solid.kind == "box":
+        size = np.array(solid.size) / 2
+    else:
+        size[: len(solid.size)] = solid.size
+        size[1] /= 2
     return Shape(
-        link=link,
-        joint=int(given.parentJoint),
-        kind=kind,
+        link=given.link,
+        joint=given.joint,
+        kind="hull" if solid.kind == "mesh" else solid.kind,
         size=size,
         rotation=np.array(given.placement.rotation),
         centre=np.array(given.placement.translation),
         points=points,
-        foot=link in feet,
+        foot=given.link in feet,
     )
 
 
-def _outermost(points: Array) -> Array:
+def _outermost(mesh: PlacedSolid) -> Array:
     """Few of a mesh's points, whose hull leaves none of the others out by more than `_LOSS`."""
-    corners = points[ConvexHull(points, qhull_options="QJ").vertices]
+    points = mesh.vertices
+    try:
+        corners = points[ConvexHull(points, qhull_options="QJ").vertices]
+    except (QhullError, ValueError) as error:
+        raise RobotFileError(
+            f'{mesh.solid.file}: the hull of this mesh of link "{mesh.link}" cannot be found; '
+            "expected a mesh with corners in more than one place"
+        ) from error
     ends = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS])
     kept = np.unique((corners @ ends.T).argmax(axis=0))
     while True:

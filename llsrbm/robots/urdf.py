@@ -1,66 +1,129 @@
-"""A robot file's URDF: found, read, and held against what the file says about it."""
+"""A robot file's URDF: found, as Pinocchio's model, and held against what the file says of it."""
 
 from __future__ import annotations
 
-import re
-import sys
 from pathlib import Path
 
+import numpy as np
 import pinocchio as pin
 
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
+from llsrbm.robots.description import Description, installed_shares
+from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 
 BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
+ROUNDED = 1e-9  # of a flat body's largest moment, by which rounded ones exceed their sum
+_LIGHTEST, _SLIMMEST = 1e-12, 1e-15  # kg and kg m2 of what can be simulated
 
 
-def find_urdf(file: RobotFile, path: Path) -> tuple[Path, tuple[Path, ...]]:
-    """The URDF a robot file names, and where its `package://` names are looked up."""
+def find_urdf(file: RobotFile, path: Path) -> Path:
+    """The URDF a robot file names."""
     source = file.urdf
     if source.file is not None:
         urdf = path.parent / source.file
         if not urdf.is_file():
             raise RobotFileError(f"{path}: urdf.file: no such file: {urdf}")
-        return urdf, (path.parent, path.parent.parent)
+        return urdf
     package, inner = source.installed()
-    share = package_share(package, path)
-    robots = share / package / "robots"
+    robots = package_share(package, path) / package / "robots"
     urdf = robots / inner
     if not urdf.is_file():
         present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
         raise RobotFileError(
             f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
         )
-    return urdf, (share,)
+    return urdf
 
 
 def package_share(package: str, robot_file: Path) -> Path:
     """The folder `share` of an installed package of robot data; robots are in `share/<package>`."""
-    roots = [Path(entry) for entry in sys.path if entry]
-    roots = [*(root / "cmeel.prefix" for root in roots), Path(sys.prefix)]
-    for root in roots:
-        if (root / "share" / package / "robots").is_dir():
-            return root / "share"
+    for share in installed_shares():
+        if (share / package / "robots").is_dir():
+            return share
     raise RobotFileError(
         f'{robot_file}: urdf.package: no robot data of a package "{package}" is installed; '
         f"expected a folder share/{package}/robots, as `pip install example-robot-data` makes it"
     )
 
 
-def load_model(urdf_path: Path, path: Path) -> pin.Model:
-    """Pinocchio's model of a URDF, on a free flyer."""
+def pinocchio_model(robot: Description, where: str) -> pin.Model:
+    """Pinocchio's model of a URDF, on a free flyer.
+
+    Raises:
+        RobotFileError: Pinocchio refuses it, or no joint of it moves.
+    """
     try:
-        model = pin.buildModelFromUrdf(str(urdf_path), pin.JointModelFreeFlyer())
+        model = pin.buildModelFromXML(robot.skeleton, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError) as error:
         reason = " ".join(str(error).split())
-        raise RobotFileError(f"{path}: urdf: {urdf_path} is not a URDF: {reason}") from error
-    if model.njoints <= BASE_JOINT + 1:
-        # The parser reports some mistakes on stderr only and returns an empty robot.
-        raise RobotFileError(
-            f"{path}: urdf: {urdf_path} is not the URDF of a robot with legs: no joint was read"
-        )
+        raise RobotFileError(f"{where} is refused by Pinocchio: {reason}") from error
+    moving = {name for name, joint in robot.joints.items() if joint.moves}
+    if set(model.names[BASE_JOINT + 1 :]) != moving or not moving:
+        raise RobotFileError(f"{where} is not the URDF of a robot with legs: no joint moves")
     return model
+
+
+def check_moving(robot: Description, model: pin.Model, where: str) -> None:
+    """Raise `RobotFileError` unless joints move freely, and bodies have inertias that can be."""
+    for name, joint in robot.joints.items():
+        if not joint.moves:
+            continue
+        limit, of_joint = joint.limit, f'{where}: joint "{name}"'
+        if joint.mimic is not None:
+            raise RobotFileError(
+                f"{of_joint} mimics {joint.mimic.joint}: no joint can follow another; expected it "
+                'without <mimic>, type="fixed", or both held in [urdf.held]'
+            )
+        if joint.kind != "continuous" and (limit is None or limit.lower == limit.upper):
+            given = "no <limit>" if limit is None else f"lower = upper = {limit.lower:g}"
+            raise RobotFileError(
+                f'{of_joint} has {given}; expected <limit lower="..." upper="...">, '
+                'type="continuous", or it held in [urdf.held]'
+            )
+    for body in range(BASE_JOINT, model.njoints):
+        fault = _impossible(model.inertias[body])
+        if fault:
+            links = [
+                frame.name
+                for frame in model.frames
+                if frame.parentJoint == body and frame.type == pin.FrameType.BODY
+            ]
+            shown = f'link "{links[0]}"'
+            if len(links) > 1:
+                more = f" and {len(links) - 4} more" if len(links) > 4 else ""
+                shown += f" with what is fixed to it ({', '.join(links[1:4])}{more})"
+            raise RobotFileError(f"{where}: {shown} {fault}")
+
+
+def check_drives(robot: Robot, where: str) -> None:
+    """Raise `RobotFileError` unless every joint has a torque and a speed."""
+    legs = {joint for leg in robot.legs for joint in leg.joints}
+    for limit, key, values in (
+        ("effort", "torque", robot.torque_limit),
+        ("velocity", "joint_speed", robot.speed_limit),
+    ):
+        for name, value in zip(robot.joint_names, values, strict=True):
+            if not value > 0:
+                other = f"limits.{key} in the robot file" if name in legs else "the joint held"
+                raise RobotFileError(
+                    f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0, '
+                    f"or {other}"
+                )
+
+
+def _impossible(body: pin.Inertia) -> str:
+    """Why a body with this inertia cannot move; empty if it can."""
+    if body.mass <= _LIGHTEST:
+        return f"has {body.mass:g} kg and moves; expected a mass"
+    a, b, c = np.linalg.eigvalsh(body.inertia)
+    moments = f"has the principal inertias {a:.3g}, {b:.3g} and {c:.3g} kg m2"
+    if a <= _SLIMMEST:
+        return f"{moments} and moves; expected more than 0"
+    if a + b < c * (1 - ROUNDED):
+        return f"{moments}, which no body has; expected none above the sum of the other two"
+    return ""
 
 
 def frame_id(model: pin.Model, name: str) -> int:
@@ -155,61 +218,3 @@ def check_joints(
                     f"{path}: {table}s.{limb}: its joints differ in number or kind from those of "
                     f"{table} {first}; expected all {table}s alike"
                 )
-
-
-def collision_geometry(
-    model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
-) -> list[pin.GeometryObject]:
-    """A URDF's collision geometry, placed in the frames of the model's joints."""
-    return _geometry(model, urdf_path, package_dirs, path, pin.GeometryType.COLLISION)
-
-
-def visual_geometry(
-    model: pin.Model, urdf_path: Path, package_dirs: tuple[Path, ...], path: Path
-) -> list[pin.GeometryObject]:
-    """A URDF's visual geometry, in the same way."""
-    return _geometry(model, urdf_path, package_dirs, path, pin.GeometryType.VISUAL)
-
-
-def _geometry(
-    model: pin.Model,
-    urdf_path: Path,
-    package_dirs: tuple[Path, ...],
-    path: Path,
-    kind: pin.GeometryType,
-) -> list[pin.GeometryObject]:
-    folders = [str(directory) for directory in package_dirs]
-    try:
-        geometry = pin.buildGeomFromUrdf(model, str(urdf_path), kind, package_dirs=folders)
-    except (ValueError, RuntimeError) as error:
-        reason = " ".join(str(error).split())
-        raise RobotFileError(
-            f"{path}: urdf: the {kind.name.lower()} geometry of {urdf_path} cannot be read: "
-            f"{reason}"
-        ) from error
-    return list(geometry.geometryObjects)
-
-
-def mesh_files(urdf_path: Path) -> list[str]:
-    """Names of the meshes in a URDF."""
-    urdf = urdf_path.read_text(encoding="utf-8")
-    return re.findall(r'filename\s*=\s*["\']([^"\']+)["\']', urdf)
-
-
-def mesh_path(urdf_path: Path, package_dirs: tuple[Path, ...], name: str) -> Path | None:
-    """The file of a mesh; None if it is missing."""
-    relative = name.removeprefix("package://").removeprefix("file://")
-    candidates = [urdf_path.parent / relative]
-    candidates += [directory / relative for directory in package_dirs]
-    return next((candidate for candidate in candidates if candidate.is_file()), None)
-
-
-def mesh_stamps(urdf_path: Path, package_dirs: tuple[Path, ...]) -> list[str]:
-    """Names, sizes and times of a URDF's meshes: they are read again when one of these changes."""
-    stamps = []
-    for name in mesh_files(urdf_path):
-        path = mesh_path(urdf_path, package_dirs, name)
-        if path is not None:
-            status = path.stat()
-            stamps.append(f"{name} {status.st_size} {status.st_mtime_ns}")
-    return stamps

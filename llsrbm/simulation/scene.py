@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,11 +12,12 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
+from llsrbm.motion.bodies import body_order
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
-from llsrbm.robots.urdf import BASE_JOINT
+from llsrbm.robots.urdf import BASE_JOINT, ROUNDED
 from llsrbm.simulation.contacts import add_sensors
 from llsrbm.simulation.surroundings import Surroundings
 
@@ -33,10 +33,13 @@ TORSION_AND_ROLLING = (0.005, 0.0001)  # m, MuJoCo's default; without effect at 
 _WORLD, _ROBOT = 1, 2  # collision bits: the robot meets the world; itself by stated pairs alone
 _AWAY = np.array([0.0, 0.0, -100.0])  # m, where blocks are that do not stand in the world
 
+_FLAT = 1e-13  # of the largest moment, which MuJoCo's own rounding needs
+
 _TYPES = {
     "sphere": mujoco.mjtGeom.mjGEOM_SPHERE,
     "box": mujoco.mjtGeom.mjGEOM_BOX,
     "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
 }
 
 
@@ -179,33 +182,61 @@ def robot_root(spec: mujoco.MjSpec) -> mujoco.MjsBody:
 
 
 def _skeleton(robot: Robot) -> mujoco.MjSpec:
-    try:
-        return mujoco.MjSpec.from_string(_bare_urdf(robot))
-    except ValueError as error:
-        raise _refused(robot, error) from error
+    """The robot's bodies and joints: Pinocchio's, siblings in the order of the URDF."""
+    model, spec = robot.model, mujoco.MjSpec()
+    spec.compiler.degree = False
+    bodies = {BASE_JOINT: _add_body(spec.worldbody, robot, BASE_JOINT)}
+    for step in body_order(robot, "depth-first").joints:
+        if step not in robot.joint_names:
+            continue
+        joint = model.getJointId(step)
+        body = _add_body(bodies[model.parents[joint]], robot, joint)
+        slides = step in robot.sliding_joints
+        motion = np.asarray(model.joints[joint].createData().S).reshape(6)
+        low, high = robot.joint_stops[:, robot.joint_names.index(step)]
+        body.add_joint(
+            name=step,
+            type=mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE,
+            axis=motion[:3] if slides else motion[3:],
+            range=[low, high],
+            limited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        )
+        bodies[joint] = body
+    return spec
 
 
-def _bare_urdf(robot: Robot) -> str:
-    """The URDF's links and joints only: without shapes, and without inertias.
-
-    MuJoCo refuses links that are welded to others and whose own inertia is a placeholder.
-    """
-    root = ET.parse(robot.urdf_path).getroot()  # noqa: S314  the user's own file, read before
-    for link in root.iter("link"):
-        for kind in ("visual", "collision", "inertial"):
-            for part in link.findall(kind):
-                link.remove(part)
-    return ET.tostring(root, encoding="unicode")
+def _add_body(parent: mujoco.MjsBody, robot: Robot, joint: int) -> mujoco.MjsBody:
+    """The body that a joint moves, called like its first link."""
+    link = next(
+        frame.name
+        for frame in robot.model.frames
+        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY
+    )
+    place = robot.model.jointPlacements[joint]
+    x, y, z, w = pin.Quaternion(place.rotation).coeffs()
+    # MuJoCo's own world has that name.
+    name = "world_link" if link == "world" else link
+    return parent.add_body(name=name, pos=place.translation, quat=[w, x, y, z])
 
 
 def _set_inertias(spec: mujoco.MjSpec, robot: Robot, trunk_mass_factor: float) -> None:
     for joint, body in moving_bodies(spec, robot).items():
-        welded = robot.model.inertias[joint]
+        welded = _thickened(robot.model.inertias[joint])
         factor = trunk_mass_factor if joint == BASE_JOINT else 1.0
         body.explicitinertial = True
         body.mass = factor * welded.mass
         body.ipos = welded.lever
         body.fullinertia = factor * welded.inertia[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def _thickened(body: pin.Inertia) -> pin.Inertia:
+    """A flat body less flat by the rounding of its numbers: MuJoCo allows none."""
+    a, b, c = np.linalg.eigvalsh(body.inertia)
+    missing = c - a - b
+    if missing < -ROUNDED * c:
+        return body
+    more = 2 * max(missing, 0.0) + _FLAT * c
+    return pin.Inertia(body.mass, body.lever, body.inertia + more * np.eye(3))
 
 
 def _add_surroundings(

@@ -244,4 +244,4 @@ def robot_hash(name_or_path: str) -> str:
     from llsrbm.robots import load_robot
 
     robot = load_robot(name_or_path)
-    return content_key(robot.path, robot.urdf_path).hex()[:16]
+    return content_key(robot.path, robot.urdf.content).hex()[:16]

@@ -9,7 +9,7 @@ def foot_positions(robot, base_position, base_quat, joint_position):
 
     Of balls what is `foot_lift` below their frames.
     """
-    model = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
+    model = pin.buildModelFromXML(robot.urdf.skeleton, pin.JointModelFreeFlyer())
     data = model.createData()
     frames = [model.getFrameId(leg.foot_frame) for leg in robot.legs]
     feet = np.empty((len(base_position), len(frames), 3))
@@ -21,7 +21,7 @@ def foot_positions(robot, base_position, base_quat, joint_position):
 
 def link_poses(robot, qpos):
     """Link -> (3,) m and (3, 3) of the joint that moves it, for one posture in MuJoCo's order."""
-    model = pin.buildModelFromUrdf(str(robot.urdf_path), pin.JointModelFreeFlyer())
+    model = pin.buildModelFromXML(robot.urdf.skeleton, pin.JointModelFreeFlyer())
     data = model.createData()
     order = [robot.joint_names.index(name) for name in list(model.names)[2:]]
     q = np.concatenate([qpos[:3], np.roll(qpos[3:7], -1), qpos[7:][order]])

@@ -106,6 +106,8 @@ def _mesh(shape: Shape) -> trimesh.Trimesh:
             mesh = trimesh.creation.box(extents=2 * shape.size)
         case "cylinder":
             mesh = trimesh.creation.cylinder(radius, 2 * half, sections=24)
+        case "capsule":
+            mesh = trimesh.creation.capsule(2 * half, radius, count=(10, 24))
         case "hull":
             mesh = trimesh.convex.convex_hull(shape.points)
     placement = np.eye(4)

@@ -169,6 +169,6 @@ def _subject(robot: Robot, grid: Grid) -> Subject:
         of=f"{robot.name}-whole-body",
         variant=grid.name,
         title=f"whole-body solver of {robot.name}",
-        numbers=repr((robot.parameters(), robot.urdf_path.read_bytes(), grid)),
+        numbers=repr((robot.parameters(), robot.urdf.content, grid)),
         horizon=lambda: make_horizon(robot, grid),
     )

@@ -6,17 +6,17 @@ import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.description import Description, changed, read_description
 from llsrbm.robots.draft.arms import ArmAnatomy, arm_anatomy, arm_joints
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import AddedFrame, UrdfSource
-from llsrbm.robots.urdf import BASE_JOINT, collision_geometry, frame_id, load_model
+from llsrbm.robots.solids import PlacedSolid, placed_solids
+from llsrbm.robots.urdf import BASE_JOINT, check_moving, frame_id, pinocchio_model
 
 Array = NDArray[np.float64]
 
@@ -29,6 +29,9 @@ _ACROSS = 0.7  # component along y from which on an axis is one about which a le
 _CORNERS = 4  # of a sole
 _OFF_THE_MIDDLE = 0.01  # m from a sole's frame to the middle of the sole on the ground
 _TURNED = 1e-3  # rad, likewise
+_AT_JOINT = 0.02  # m from a leg's last joint to a frame that is not at its foot
+_SAME_END = 0.005  # m by which corners of a shank's end may differ in their distance
+_BALL = 0.02  # m, radius of a foot's ball where nothing tells
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +66,7 @@ class Anatomy:
     corners: tuple[tuple[float, float], ...]
     radius: float | None
     arms: tuple[ArmAnatomy, ...]
-    shapes: list[pin.GeometryObject]
+    shapes: list[PlacedSolid]
     held: dict[str, float] = field(default_factory=dict)
     frames: dict[str, AddedFrame] = field(default_factory=dict)
 
@@ -78,37 +81,35 @@ class Anatomy:
         return float(pin.computeTotalMass(self.model))
 
 
-def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
-    """Find the legs of a URDF, whose `package://` names are looked up in `package_dirs`.
+def read_anatomy(urdf: Path) -> Anatomy:
+    """Find the legs of a URDF.
 
     Raises:
         RobotFileError: it is no URDF, or none of a robot with legs of their own joints.
     """
-    model = load_model(urdf, urdf)
+    where = str(urdf)
+    source = read_description(urdf, where)
+    model = pinocchio_model(source, where)
     legs, spare = _legs(model, urdf)
     arms = arm_joints(model, spare)
     free = {joint for arm in arms for joint in arm}
-    held = {model.names[j]: _rest(model, j) for j in spare if model.names[j] not in free}
-    changed = UrdfSource(file=urdf.name, held=held)
-    model, path, dirs = _adapted(urdf, package_dirs, changed)
+    held = _held(source, [model.names[j] for j in spare if model.names[j] not in free])
+    change = UrdfSource(file=urdf.name, held=held)
+    robot = changed(source, change, {}, where)
+    model = pinocchio_model(robot, where)
+    check_moving(robot, model, where)
     joints = [[model.getJointId(name) for name in leg] for leg in legs]
     data = _at_zero(model)
     order, names = _named(np.array([data.oMi[leg[-1]].translation for leg in joints]))
     joints = [joints[k] for k in order]
-    feet = [_foot_frame(model, data, leg) for leg in joints]
-    shapes = collision_geometry(model, path, dirs, urdf)
-    if len(joints[0]) > _JOINTS_OF_A_LEG[0]:
-        frames = {}
-        for k, leg in enumerate(names):
-            frame = _middle_of_sole(model, data, feet[k], shapes, urdf)
-            if frame is not None:
-                feet[k] = _new_name(f"{leg}_sole", model)
-                frames[feet[k]] = frame
-        if frames:
-            changed = UrdfSource(file=urdf.name, held=held, frames=frames)
-            model, path, dirs = _adapted(urdf, package_dirs, changed)
-            data = _at_zero(model)
-            shapes = collision_geometry(model, path, dirs, urdf)
+    shapes = placed_solids(robot, model, "collisions")
+    feet, frames = _feet(robot, model, data, dict(zip(names, joints, strict=True)), shapes, where)
+    if frames:
+        change = UrdfSource(file=urdf.name, held=held, frames=frames)
+        robot = changed(source, change, {}, where)
+        model = pinocchio_model(robot, where)
+        data = _at_zero(model)
+        shapes = placed_solids(robot, model, "collisions")
     foot_ids = [frame_id(model, foot) for foot in feet]
     hips = [_hip(model, data, leg, urdf) for leg in joints]
     at = [[model.joints[j].idx_q for j in leg] for leg in joints]
@@ -130,31 +131,78 @@ def read_anatomy(urdf: Path, package_dirs: tuple[Path, ...]) -> Anatomy:
         radius=radius,
         arms=arm_anatomy(model, arms),
         shapes=shapes,
-        held=changed.held,
-        frames=changed.frames,
+        held=change.held,
+        frames=change.frames,
     )
 
 
-def _adapted(
-    urdf: Path, package_dirs: tuple[Path, ...], changed: UrdfSource
-) -> tuple[pin.Model, Path, tuple[Path, ...]]:
-    """The model with joints held and frames added, the URDF that says so, its packages' folders."""
-    path, dirs = adapted_urdf(urdf, package_dirs, changed, {}, urdf)
-    return load_model(path, urdf), path, dirs
+def _held(robot: Description, names: list[str]) -> dict[str, float]:
+    """Angles of joints to hold: zero, or where their limits allow next to it; of those that mimic
+    others what these make of them.
+    """
+    held = {}
+    for name in names:
+        joint = robot.joints[name]
+        limit = joint.limit
+        held[name] = 0.0
+        if limit is not None and joint.kind != "continuous":
+            held[name] = round(float(np.clip(0.0, limit.lower, limit.upper)), 4) + 0.0
+    for _ in names:  # of chains of joints that mimic each other the first are right first
+        for name in names:
+            mimic = robot.joints[name].mimic
+            if mimic is not None and mimic.joint in held:
+                held[name] = mimic.multiplier * held[mimic.joint] + mimic.offset
+    return held
+
+
+def _feet(
+    robot: Description,
+    model: pin.Model,
+    data: pin.Data,
+    legs: dict[str, list[int]],
+    shapes: list[PlacedSolid],
+    where: str,
+) -> tuple[list[str], dict[str, AddedFrame]]:
+    """Names of the feet's frames in the order of the legs, and those that the URDF lacks."""
+    feet, frames = [], {}
+    for leg, joints in legs.items():
+        foot, frame = _foot_frame(model, data, joints), None
+        if len(joints) > _JOINTS_OF_A_LEG[0]:
+            frame, name = _middle_of_sole(model, data, foot, shapes, where), f"{leg}_sole"
+        elif np.linalg.norm(model.frames[frame_id(model, foot)].placement.translation) < _AT_JOINT:
+            drawn = [*shapes, *placed_solids(robot, model, "visuals")]
+            frame, name = _end_of_leg(model, joints[-1], foot, drawn, where), f"{leg}_foot"
+        if frame is not None:
+            foot = _new_name(name, model)
+            frames[foot] = frame
+        feet.append(foot)
+    return feet, frames
+
+
+def _end_of_leg(
+    model: pin.Model, joint: int, link: str, solids: list[PlacedSolid], where: str
+) -> AddedFrame:
+    """Where the ball of a foot is that is merged into a shank, seen from the shank's link."""
+    own = [solid for solid in solids if solid.joint == joint]
+    balls = [solid.placement.translation for solid in own if solid.is_sphere]
+    if not own:
+        raise RobotFileError(
+            f'{where}: link "{link}" ends a leg and has neither a frame at its foot nor shapes; '
+            "expected a link there on a fixed joint"
+        )
+    points = np.array(balls) if balls else np.concatenate([solid.corners for solid in own])
+    far = np.linalg.norm(points, axis=1)
+    end = points[far > far.max() - _SAME_END].mean(axis=0)
+    if not balls:  # the middle of a ball within the end
+        end = end * (1 - _BALL / max(float(np.linalg.norm(end)), 2 * _BALL))
+    x, y, z = model.frames[frame_id(model, link)].placement.actInv(end)
+    return AddedFrame(link=link, xyz=(round(x, 4) + 0.0, round(y, 4) + 0.0, round(z, 4) + 0.0))
 
 
 def _at_zero(model: pin.Model) -> pin.Data:
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
     return data
-
-
-def _rest(model: pin.Model, joint: int) -> float:
-    if model.joints[joint].nq != 1:  # turns without limits
-        return 0.0
-    at = model.joints[joint].idx_q
-    lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
-    return round(float(np.clip(0.0, lower, upper)), 4) + 0.0
 
 
 def _legs(model: pin.Model, urdf: Path) -> tuple[list[list[str]], list[int]]:
@@ -244,17 +292,17 @@ def _hip(model: pin.Model, data: pin.Data, leg: list[int], urdf: Path) -> int:
 
 
 def _middle_of_sole(
-    model: pin.Model, data: pin.Data, foot: str, shapes: list[pin.GeometryObject], urdf: Path
+    model: pin.Model, data: pin.Data, foot: str, shapes: list[PlacedSolid], where: str
 ) -> AddedFrame | None:
     """Where the frame of a sole belongs, seen from the link at the end of its leg; None: there.
 
     With all joints at zero soles are level and point forward.
     """
     frame = model.frames[frame_id(model, foot)]
-    on = [shape for shape in shapes if shape.parentJoint == frame.parentJoint]
+    on = [shape for shape in shapes if shape.joint == frame.parentJoint]
     if not on:
         raise RobotFileError(
-            f"{urdf}: the link that carries {foot} has no collision geometry; expected some "
+            f"{where}: the link that carries {foot} has no collision geometry; expected some "
             "there, for its sole is measured from it"
         )
     rotation = data.oMi[frame.parentJoint].rotation.T  # of base axes against the joint's
@@ -282,11 +330,11 @@ def _new_name(name: str, model: pin.Model) -> str:
 
 
 def _contact_points(
-    frame: pin.Frame, shapes: list[pin.GeometryObject], *, sole: bool
+    frame: pin.Frame, shapes: list[PlacedSolid], *, sole: bool
 ) -> tuple[tuple[tuple[float, float], ...], float | None]:
     """Contact points of a foot in its frame, and their radius where the URDF has no spheres."""
-    shapes = [shape for shape in shapes if shape.parentJoint == frame.parentJoint]
-    spheres = [s for s in shapes if isinstance(s.geometry, coal.Sphere)]
+    shapes = [shape for shape in shapes if shape.joint == frame.parentJoint]
+    spheres = [s for s in shapes if s.is_sphere]
     if not sole:
         radius = None if spheres else _ball_radius(frame, shapes)
         return ((0.0, 0.0),), radius
@@ -304,20 +352,14 @@ def _contact_points(
     return corners, None if len(spheres) >= len(corners) else round(float(radius), 4)
 
 
-def _corners_of(frame: pin.SE3, shapes: list[pin.GeometryObject]) -> Array:
-    """(N, 3) m: corners of the shapes' boxes, in a frame, placed in that of the same joint."""
-    signs = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    points = [np.empty((0, 3))]
-    for shape in shapes:
-        shape.geometry.computeLocalAABB()
-        box = shape.geometry.aabb_local
-        inside = box.min_ + signs * (box.max_ - box.min_)
-        placement = frame.inverse() * shape.placement
-        points.append(inside @ placement.rotation.T + placement.translation)
-    return np.concatenate(points)
+def _corners_of(frame: pin.SE3, shapes: list[PlacedSolid]) -> Array:
+    """(N, 3) m: corners of the shapes, in a frame that is placed in that of the same joint."""
+    inside = frame.inverse()
+    points = [shape.corners @ inside.rotation.T + inside.translation for shape in shapes]
+    return np.concatenate([np.empty((0, 3)), *points])
 
 
-def _ball_radius(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> float:
+def _ball_radius(frame: pin.Frame, shapes: list[PlacedSolid]) -> float:
     """Half of what the shape around a point foot measures where it is thinnest, m."""
     around = [
         points
@@ -325,6 +367,6 @@ def _ball_radius(frame: pin.Frame, shapes: list[pin.GeometryObject]) -> float:
         if (points.min(axis=0) - 1e-3 <= 0).all() and (points.max(axis=0) + 1e-3 >= 0).all()
     ]
     if not around:
-        return 0.02
+        return _BALL
     smallest = min(around, key=lambda points: float(np.ptp(points, axis=0).max()))
     return round(float(np.clip(np.ptp(smallest, axis=0).min() / 2, 0.005, 0.04)), 4)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import coal
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from scipy.optimize import least_squares
 
 from llsrbm.robots.arms import mirror_signs
 from llsrbm.robots.draft.anatomy import Anatomy
+from llsrbm.robots.solids import coal_shape
 from llsrbm.robots.urdf import BASE_JOINT
 
 Array = NDArray[np.float64]
@@ -145,11 +145,10 @@ def _clearance(anatomy: Anatomy) -> Callable[[Array], float]:
     others = {BASE_JOINT, *(joint for leg in anatomy.joint_ids for joint in leg)}
     geometry = pin.GeometryModel()
     for shape in anatomy.shapes:
-        if shape.parentJoint in others | {*arm}:
+        if shape.joint in others | {*arm}:
+            name = f"{shape.link}/{geometry.ngeoms}"
             geometry.addGeometryObject(
-                pin.GeometryObject(
-                    shape.name, shape.parentJoint, shape.placement, _hull(shape.geometry)
-                )
+                pin.GeometryObject(name, shape.joint, shape.placement, coal_shape(shape))
             )
     joints = [shape.parentJoint for shape in geometry.geometryObjects]
     for one, joint in enumerate(joints):
@@ -167,12 +166,3 @@ def _clearance(anatomy: Anatomy) -> Callable[[Array], float]:
         )
 
     return measure
-
-
-def _hull(geometry: coal.CollisionGeometry) -> coal.CollisionGeometry:
-    if not isinstance(geometry, coal.BVHModelBase):
-        return geometry
-    points = coal.StdVec_Vec3s()
-    for point in geometry.vertices():
-        points.append(point)
-    return coal.Convex.convexHull(points, False, "")

@@ -286,8 +286,23 @@ def _drives(
     if (speed < _SLOWEST).any() or (speed > _FASTEST).any():
         speed = np.where((speed >= _SLOWEST) & (speed <= _FASTEST), speed, _SPEED)
         guessed["limits.joint_speed"] = f"{_SPEED:g} rad/s where the URDF has none"
+    for key, limit in (("torque", model.effortLimit), ("joint_speed", model.velocityLimit)):
+        if others := _unlike_the_first_leg(anatomy, limit):
+            guessed["limits"] += f"; {key} as of leg {anatomy.names[0]}, the URDF has {others}"
     values["limits.torque"] = [float(f"{t:.4g}") for t in torque]
     values["limits.joint_speed"] = [float(f"{s:.4g}") for s in speed]
+
+
+def _unlike_the_first_leg(anatomy: Anatomy, limit: Array) -> str:
+    """Joints of other legs whose limit (nv,) is another one than the first leg's, with it."""
+    model, (first, *others) = anatomy.model, anatomy.joint_ids
+    found = [
+        f"{limit[model.joints[joint].idx_v]:g} for {model.names[joint]}"
+        for leg in others
+        for joint, like in zip(leg, first, strict=True)
+        if not np.isclose(limit[model.joints[joint].idx_v], limit[model.joints[like].idx_v])
+    ]
+    return ", ".join(found[:4]) + (f" and {len(found) - 4} more" if len(found) > 4 else "")
 
 
 def _turning(

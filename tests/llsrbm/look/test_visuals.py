@@ -4,13 +4,12 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
-import trimesh
 
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.errors import RobotFileError
-from llsrbm.look.meshes import readable
 from llsrbm.look.visuals import FACES, forward_kinematics, link_visuals
 from llsrbm.robots import build_robot, load_robot
+from llsrbm.robots.feet import collision_shapes
 from tests.llsrbm.robots.test_robot import QUADRUPEDS, beside
 
 
@@ -140,31 +139,23 @@ def test_primitives_keep_the_urdfs_colour(tmp_path, cache):
 
 
 def test_a_missing_mesh_is_named(tmp_path, cache):
-    robot = drawn_robot(tmp_path, '<mesh filename="package://nosuch/base.dae"/>')
-    with pytest.raises(RobotFileError, match=r"missing: package://nosuch/base\.dae"):
-        link_visuals(robot)
+    with pytest.raises(RobotFileError, match=r'mesh "package://nosuch/base\.dae" is missing'):
+        drawn_robot(tmp_path, '<mesh filename="package://nosuch/base.dae"/>')
 
 
-def test_a_robot_without_meshes_is_not_drawn_but_says_so(tmp_path, cache, caplog):
+def test_a_robot_without_meshes_is_drawn_by_its_collision_shapes(tmp_path, cache):
     path = beside(tmp_path, load_robot("anymal").urdf_path.read_text())
-    text = (tmp_path / "robot.urdf").read_text()
-
-    (tmp_path / "robot.urdf").write_text(re.sub(r"<visual>.*?</visual>", "", text, flags=re.DOTALL))
-    with caplog.at_level(logging.WARNING):
-        assert link_visuals(build_robot(path)) == ()
-    assert "no visual meshes" in caplog.text
-
-
-def test_broken_texture_references_are_mended(tmp_path):
-    """ANYmal's foot names a surface that its file does not have; read as it is, it is empty."""
-    robot = load_robot("anymal")
-    foot = next(robot.urdf_path.parents[1].glob("meshes/foot/*.dae"))
-    assert len(trimesh.load_scene(foot).geometry) == 0
-    mended = readable(foot, tmp_path)
-    assert mended.parent.parent == tmp_path
-    assert sum(len(mesh.faces) for mesh in trimesh.load_scene(mended).geometry.values()) > 1000
-    thigh = next(robot.urdf_path.parents[1].glob("meshes/thigh/*.dae"))
-    assert readable(thigh, tmp_path) == thigh
+    text = re.sub(r"<visual>.*?</visual>", "", (tmp_path / "robot.urdf").read_text(), flags=re.S)
+    (tmp_path / "robot.urdf").write_text(text)
+    robot = build_robot(path)
+    shapes = {shape.joint for shape in collision_shapes(robot)}
+    assert {visual.joint_id for visual in link_visuals(robot)} == shapes
+    (tmp_path / "robot.urdf").write_text(
+        re.sub(r"<collision>.*?</collision>", "", text, flags=re.S)
+    )
+    path.write_text(path.read_text() + "\n[foot]\nradius = 0.02\n")
+    with pytest.raises(RobotFileError, match="neither visual nor collision shapes"):
+        link_visuals(build_robot(path))
 
 
 def test_coarse_meshes_are_the_same_bodies_with_far_fewer_faces(anymal):

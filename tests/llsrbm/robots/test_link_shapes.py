@@ -93,7 +93,7 @@ def test_a_mesh_is_a_hull_of_few_points_that_loses_little_more_than_a_millimetre
     for hull, mesh in zip(hulls, meshes, strict=False):
         if "calf" in hull.link:  # ends before the foot
             continue
-        vertices = np.array(mesh.geometry.vertices())
+        vertices = mesh.vertices
         planes = ConvexHull(hull.points).equations
         assert (vertices @ planes[:, :3].T + planes[:, 3]).max() < 1.5e-3
         assert len(hull.points) <= 150

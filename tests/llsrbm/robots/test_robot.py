@@ -179,7 +179,7 @@ def beside(tmp_path: Path, urdf: str) -> Path:
 def test_a_urdf_that_is_none(tmp_path, text):
     path = beside(tmp_path, text)
     with pytest.raises(
-        RobotFileError, match=r"mine\.toml: urdf: .*robot\.urdf is not (a|the) URDF"
+        RobotFileError, match=r"mine\.toml: urdf: .*robot\.urdf( is not (a|the) URDF|: <link> has)"
     ):
         load_robot(str(path))
 

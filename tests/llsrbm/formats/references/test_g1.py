@@ -56,7 +56,7 @@ def jump(rollout, request):
 @pytest.fixture(scope="module")
 def model():
     """Pinocchio's, all 29 joints free."""
-    return pin.buildModelFromUrdf(str(load_robot("g1").urdf_source), pin.JointModelFreeFlyer())
+    return pin.buildModelFromUrdf(str(load_robot("g1").urdf_path), pin.JointModelFreeFlyer())
 
 
 @pytest.fixture(scope="module", params=["depth-first", "breadth-first"])

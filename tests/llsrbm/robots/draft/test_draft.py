@@ -152,7 +152,7 @@ def test_grippers_and_fingers_are_held_too():
     """Talos' arms of seven joints end in a gripper, and its torso carries a head as well."""
     share = package_share(PACKAGE, Path("draft"))
     urdf = share / PACKAGE / "robots" / "talos_data/robots/talos_reduced.urdf"
-    anatomy = draft.read_anatomy(urdf, (share,))
+    anatomy = draft.read_anatomy(urdf)
     assert [len(arm.joint_ids) for arm in anatomy.arms] == [4, 4]
     assert anatomy.arms[0].hand == "gripper_left_base_link"
     held = [*anatomy.held]
@@ -200,7 +200,7 @@ def _with_arms(sides, joints, heavier=0.0):
 def test_arms_are_mirrored_pairs_of_three_joints_or_more(tmp_path, sides, joints, heavier, arms):
     path = tmp_path / "armed.urdf"
     path.write_text(_with_arms(sides, joints, heavier))
-    anatomy = draft.read_anatomy(path, (assets_directory() / "slider", tmp_path))
+    anatomy = draft.read_anatomy(path)
     assert len(anatomy.arms) == arms
     assert len(anatomy.held) == len(sides) * joints - 3 * arms
 
@@ -214,7 +214,7 @@ def test_joints_that_move_both_feet_are_refused(tmp_path):
     path = tmp_path / "waist.urdf"
     path.write_text(source.replace("</robot>", chest))
     with pytest.raises(RobotFileError, match=r'joints waist move more than one foot.*type="fixed"'):
-        draft.read_anatomy(path, (tmp_path,))
+        draft.read_anatomy(path)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3])
@@ -224,7 +224,7 @@ def test_a_sole_whose_frame_is_elsewhere_gets_one_on_the_ground(tmp_path, turn):
     path = tmp_path / "biped.urdf"
     moved = f'<origin xyz="0 0 -0.015" rpy="0 {turn} 0"/>'
     path.write_text(source.replace('<origin xyz="0 0 -0.045"/>', moved))
-    drafted, tuned = draft.read_anatomy(path, (tmp_path,)), load_robot("slider")
+    drafted, tuned = draft.read_anatomy(path), load_robot("slider")
     assert drafted.feet == tuple(drafted.frames) == ("left_sole_middle", "right_sole_middle")
     assert drafted.corners == tuned.file.foot.corners
     for chains in zip(drafted.chains.foot_ids, tuned.chains.foot_ids, strict=True):

@@ -1,7 +1,6 @@
 """Held joints and added frames, against Pinocchio's own way to lock joints of the whole robot."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -9,12 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from llsrbm import cache
 from llsrbm.errors import RobotFileError
-from llsrbm.robots.adapted_urdf import adapted_urdf
+from llsrbm.robots.description import changed, read_description
 from llsrbm.robots.schema import AddedFrame, UrdfSource, robot_files
+from llsrbm.robots.urdf import pinocchio_model
 
-ROBOT_FILE = Path("mine.toml")
 INERTIAL = """<inertial><origin xyz="{c} 0.02 -0.1" rpy="0.1 0.2 {c}"/><mass value="{m}"/>
 <inertia ixx="0.02" iyy="0.03" izz="0.04" ixy="0.001" ixz="0.002" iyz="0.003"/></inertial>"""
 ARMS = {
@@ -25,8 +23,8 @@ ARMS = {
 LIMITS = {"waist": (-9.0, 9.0), "shoulder": (-1.0, 2.0), "hand": (-0.1, 0.3)}
 
 
-def link(name: str, mass: float, inside: str = "") -> str:
-    return f'<link name="{name}">{INERTIAL.format(c=mass / 10, m=mass)}{inside}</link>'
+def link(name: str, mass: float) -> str:
+    return f'<link name="{name}">{INERTIAL.format(c=mass / 10, m=mass)}</link>'
 
 
 def joint(name: str, kind: str, parent: str, child: str, axis: str) -> str:
@@ -37,13 +35,12 @@ def joint(name: str, kind: str, parent: str, child: str, axis: str) -> str:
     <limit lower="{lower}" upper="{upper}" effort="10" velocity="5"/></joint>"""
 
 
-MESH = '<visual><geometry><mesh filename="{}"/></geometry></visual>'
 SMALL = "\n".join(
     [
         '<?xml version="1.0"?><robot name="small"><!-- a leg and an arm of three joints -->',
-        link("trunk", 5.0, MESH.format("../meshes/trunk.stl")),
+        link("trunk", 5.0),
         *(link(f"{name}_link", 1.0 + k) for k, name in enumerate(ARMS)),
-        link("thigh", 2.0, MESH.format("package://small/thigh.stl")),
+        link("thigh", 2.0),
         link("shank", 1.5),
         joint("waist", *ARMS["waist"][:1], "trunk", "waist_link", ARMS["waist"][1]),
         joint("shoulder", "revolute", "waist_link", "shoulder_link", ARMS["shoulder"][1]),
@@ -56,13 +53,6 @@ SMALL = "\n".join(
 FEET = {"leg": "shank"}
 
 
-@pytest.fixture(scope="module", autouse=True)
-def own_cache(tmp_path_factory):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv(cache.ENVIRONMENT_VARIABLE, str(tmp_path_factory.mktemp("cache")))
-        yield
-
-
 @pytest.fixture(scope="module")
 def small(tmp_path_factory):
     path = tmp_path_factory.mktemp("urdf") / "small.urdf"
@@ -70,18 +60,19 @@ def small(tmp_path_factory):
     return path
 
 
-def adapted(urdf, held=None, frames=None, feet=FEET, dirs=()):
+def adapted(urdf, held=None, frames=None, feet=FEET):
+    """The description as a robot file with these tables has it."""
     source = UrdfSource(file="x.urdf", held=held or {}, frames=frames or {})
-    return adapted_urdf(urdf, dirs, source, feet, ROBOT_FILE)
+    return changed(read_description(urdf, str(urdf)), source, feet, "mine.toml")
 
 
-def free(path):
-    return pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
+def free(robot):
+    return pinocchio_model(robot, "mine.toml")
 
 
 def locked(urdf, held):
     """The robot with the same joints locked by Pinocchio, read from the URDF as it is."""
-    model = free(urdf)
+    model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
     q = pin.neutral(model)
     for name, angle in held.items():
         joint = model.joints[model.getJointId(name)]
@@ -90,11 +81,20 @@ def locked(urdf, held):
     return pin.buildReducedModel(model, [model.getJointId(name) for name in held], q)
 
 
-def compare(ours, theirs, q_joints, foot):
+def posture(model, angles):
+    q = pin.neutral(model)
+    for name in list(model.names)[2:]:
+        joint = model.joints[model.getJointId(name)]
+        turns = [math.cos(angles[name]), math.sin(angles[name])]
+        q[joint.idx_q : joint.idx_q + joint.nq] = angles[name] if joint.nq == 1 else turns
+    return q
+
+
+def compare(ours, theirs, angles, foot):
     assert list(ours.names) == list(theirs.names)
-    q = np.concatenate([pin.neutral(ours)[:7], q_joints])
     ours_data, theirs_data = ours.createData(), theirs.createData()
     for model, data in ((ours, ours_data), (theirs, theirs_data)):
+        q = posture(model, angles)
         pin.ccrba(model, data, q, np.zeros(model.nv))
         pin.crba(model, data, q)
         pin.framesForwardKinematics(model, data, q)
@@ -116,15 +116,9 @@ def compare(ours, theirs, q_joints, foot):
     others=st.floats(-0.1, 0.3),
 )
 def test_held_joints_are_as_pinocchio_locks_them(small, held, legs, others):
-    path, _ = adapted(small, held)
-    ours, theirs = free(path), locked(small, held)
-    q = np.zeros(theirs.nq)
-    q[:] = pin.neutral(theirs)
-    for name in theirs.names[2:]:
-        joint = theirs.joints[theirs.getJointId(name)]
-        if joint.nq == 1:
-            q[joint.idx_q] = {"hip": legs[0], "knee": legs[1]}.get(name, others)
-    compare(ours, theirs, q[7:], "shank")
+    ours, theirs = free(adapted(small, held)), locked(small, held)
+    angles = dict.fromkeys(ARMS, others) | {"hip": legs[0], "knee": legs[1]}
+    compare(ours, theirs, angles, "shank")
 
 
 @settings(max_examples=30)
@@ -134,8 +128,8 @@ def test_held_joints_are_as_pinocchio_locks_them(small, held, legs, others):
     knee=st.floats(-2, 2),
 )
 def test_an_added_frame_is_where_it_is_said_to_be(small, xyz, rpy, knee):
-    path, _ = adapted(small, frames={"sole": AddedFrame(link="shank", xyz=xyz, rpy=rpy)})
-    model, before = free(path), free(small)
+    frames = {"sole": AddedFrame(link="shank", xyz=xyz, rpy=rpy)}
+    model, before = free(adapted(small, frames=frames)), free(adapted(small))
     assert model.nq == before.nq
     assert pin.computeTotalMass(model) == pytest.approx(pin.computeTotalMass(before))
     q = pin.neutral(model)
@@ -148,30 +142,10 @@ def test_an_added_frame_is_where_it_is_said_to_be(small, xyz, rpy, knee):
 
 
 def test_without_the_tables_nothing_changes(small):
-    assert adapted(small, dirs=(Path("here"),)) == (small, (Path("here"),))
+    assert adapted(small) == read_description(small, "small")
     for path in robot_files().values():
         table = UrdfSource(file=path.name).model_dump(mode="json")
         assert table == {"package": None, "path": None, "file": path.name}
-
-
-def test_the_same_change_is_the_same_file_and_is_not_written_again(small):
-    first, _ = adapted(small, {"waist": 0.3})
-    stamp = first.stat().st_mtime_ns
-    again, _ = adapted(small, {"waist": 0.3})
-    other, _ = adapted(small, {"waist": 0.4})
-    assert again == first != other
-    assert again.stat().st_mtime_ns == stamp
-    first.write_text("damaged")
-    assert free(adapted(small, {"waist": 0.3})[0]).nq == 7 + 4
-
-
-def test_nothing_of_this_machine_is_in_the_file_and_meshes_are_found(small):
-    path, dirs = adapted(small, {"waist": 0.3}, dirs=(Path("packages"),))
-    text = path.read_text()
-    assert str(small.parent) not in text
-    assert 'filename="package://../meshes/trunk.stl"' in text  # seen from a folder of packages
-    assert 'filename="package://small/thigh.stl"' in text
-    assert dirs == (small.parent, Path("packages"))
 
 
 WRONG = {
@@ -217,11 +191,3 @@ def test_a_mistake_is_one_clear_line(small, mistake):
     assert "\n" not in message
     for part in ["mine.toml", *expected]:
         assert part in message
-
-
-@pytest.mark.parametrize("text", ["", "<robot", SMALL.replace('xyz="0 0 1"', 'xyz="0 0 up"')])
-def test_what_is_no_urdf_is_one_clear_line(tmp_path, text):
-    path = tmp_path / "none.urdf"
-    path.write_text(text)
-    with pytest.raises(RobotFileError, match=r"mine\.toml: urdf: .*none\.urdf is not a URDF"):
-        adapted(path, {"waist": 0.1})
