@@ -8,13 +8,13 @@ import json
 import signal
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
 from llsrbm.commands import console, options
 from llsrbm.commands.streams import OutputLost
-from llsrbm.errors import InputError, require
+from llsrbm.errors import Error, InputError, require
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
@@ -23,6 +23,14 @@ if TYPE_CHECKING:
     from llsrbm.robots import Robot
 
 _SHOWN = 3  # first commands of a dry run
+
+
+class _Wire(NamedTuple):
+    """Where the robot is, and whether its own controller was ended by hand."""
+
+    interface: str
+    domain: int | None
+    released: bool
 
 
 def deploy_command(
@@ -42,6 +50,13 @@ def deploy_command(
     tier: Annotated[
         str, typer.Option(help="closed-loop (controller and estimator) or table (gains alone).")
     ] = "closed-loop",
+    released: Annotated[
+        bool,
+        typer.Option(
+            "--released",
+            help="The robot's own controller was ended by hand; no motion switcher has to answer.",
+        ),
+    ] = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print states and first commands; send nothing.")
     ] = False,
@@ -57,8 +72,9 @@ def deploy_command(
 
     Nobody here has run this on a robot; `llsrbm robot-sim` is one to try it on. A plan whose
     certificate does not hold is refused. Ctrl-C damps the robot; so does whatever goes wrong: tilt,
-    a joint astray, an idle drive, silence, late readings, missed deadlines. The exit status is 1 if
-    the plan was not played to its end.
+    tracking error, an unresponsive drive, a lost link, late readings, missed deadlines. The robot's
+    own controller is released first, by the maker's motion switcher; a robot that another program
+    commands is left alone. The exit status is 1 if the plan was not played to its end.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.player.requirements import check_plan
@@ -75,7 +91,8 @@ def deploy_command(
         require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
         path = _log_file(log, file)
         check_plan(plan, loaded, chosen)
-        ended, player = _play(plan, loaded, chosen, interface, domain, quiet=as_json)
+        wire = _Wire(interface, domain, released)
+        ended, player = _play(plan, loaded, chosen, wire, quiet=as_json)
         result = _result(ended, player, chosen, path)
         _write_log(player, path, result)
         console.print_result(result, _in_words(result, ended), stdout, as_json=as_json)
@@ -108,8 +125,7 @@ def _play(
     plan: Plan,
     robot: Robot,
     tier: type[Tier],
-    interface: str,
-    domain: int | None,
+    wire: _Wire,
     *,
     quiet: bool,
 ) -> tuple[Ended, Player]:
@@ -127,7 +143,14 @@ def _play(
 
     with threadpool_limits(1):  # one program a tick is too small to share
         rehearse(tier.name, plan, robot)
-        link = DdsLink(robot, interface, domain)
+        link = DdsLink(robot, wire.interface, wire.domain)
+        try:
+            done = link.take_over(released=wire.released)
+        except Error:
+            link.close()
+            raise
+        if not quiet:
+            print(f"{'release':<10}{done}", flush=True)
         player = Player(tier(plan, robot), link, time.monotonic, announce)
         handlers = {
             number: signal.signal(number, lambda *_, reason=reason: player.stop(reason))

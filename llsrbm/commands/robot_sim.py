@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from llsrbm.wire.simulated_robot import Conditions, SimulatedRobot, TrueTick
 
 
+_OWN_CONTROLLER = "normal"  # of a Go2
+
+
 def robot_sim_command(
     robot: options.Robot,
     interface: Annotated[
@@ -47,6 +50,13 @@ def robot_sim_command(
         float, typer.Option(metavar="SHARE", help="Of the messages that come late.")
     ] = 0.0,
     late_ms: Annotated[float, typer.Option(metavar="MS", help="By how much these do.")] = 20.0,
+    held: Annotated[
+        bool,
+        typer.Option(
+            "--held/--free",
+            help="A controller of its own writes commands until its motion switcher releases it.",
+        ),
+    ] = True,
     battery: Annotated[
         bool, typer.Option("--battery/--no-battery", help="Voltage falls with power.")
     ] = True,
@@ -78,7 +88,8 @@ def robot_sim_command(
             from llsrbm.wire.real_time import go_first
 
             go_first()  # threads that are begun from here on do, too
-        simulated, end = _standing(robot, interface, domain, plan, conditions, seed)
+        held_by = _OWN_CONTROLLER if held else ""
+        simulated, end = _standing(robot, interface, domain, held_by, plan, conditions, seed)
         if not as_json:
             print(f"{simulated.robot.file.title} stands, {end.place}.", flush=True)
         result = _run(simulated, end, duration)
@@ -90,6 +101,7 @@ def _standing(
     name: str,
     interface: str,
     domain: int | None,
+    held_by: str,
     plan: Path | None,
     conditions: Conditions,
     seed: int,
@@ -100,7 +112,7 @@ def _standing(
     from llsrbm.wire.simulated_robot import SimulatedRobot
 
     robot = load_robot(name)
-    end = DdsRobot(robot, interface, domain)
+    end = DdsRobot(robot, interface, domain, held_by)
     simulated = SimulatedRobot(
         robot,
         conditions,

@@ -25,6 +25,7 @@ from llsrbm.player.stops import (
 from llsrbm.player.tier import PERIOD, Tier
 from llsrbm.wire.link import Link
 
+_DISPLACED = "commands: another program commands the robot ({} heard)"
 FIRST_READING = 2.0  # s until which a robot has to be heard: networks find each other in one
 
 
@@ -32,19 +33,22 @@ FIRST_READING = 2.0  # s until which a robot has to be heard: networks find each
 class Ended:
     """How a play ended: `reason` in one line, "" if the plan was played to its end.
 
-    `state`: in which it was, and `time`, s of the player's clock, when that was found.
+    `state`: in which it was, and `time`, s of the player's clock, when that was found; `damped`:
+    whether the robot was; it is left alone where another program commands it.
     """
 
     reason: str
     state: str
     time: float
+    damped: bool = True
 
     @property
     def line(self) -> str:
         """One line for a person."""
         if not self.reason:
             return "played to the end, then damped"
-        return f"stopped in {self.state} and damped: {self.reason}"
+        then = "and damped" if self.damped else "and left alone"
+        return f"stopped in {self.state} {then}: {self.reason}"
 
 
 class Player:
@@ -77,10 +81,13 @@ class Player:
 
     def run(self) -> Ended:
         """Play, and damp; returns when that is over."""
+        ended = None
         try:
-            return self._play()
+            ended = self._play()
+            return ended
         finally:
-            self._damp()
+            if ended is None or ended.damped:
+                self._damp()
 
     def _play(self) -> Ended:
         state: State | None = None
@@ -96,6 +103,9 @@ class Player:
             heard = now
             if state is None:
                 state = self._begun(Check(self._tier, readings.time))
+            if others := self._link.others():
+                self.log.add(state.name, now, 0.0, readings, None, None)
+                return Ended(_DISPLACED.format(others), state.name, now, damped=False)
             reason = self._asked or state.wrong(readings) or self._stopped(state, readings, now)
             if reason:
                 self.log.add(state.name, now, 0.0, readings, None, None)

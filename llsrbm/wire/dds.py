@@ -6,6 +6,7 @@ Types are made from the layouts, which also serialise the samples in the package
 from __future__ import annotations
 
 import socket
+import time
 from collections import deque
 from functools import cache
 from typing import Any
@@ -35,6 +36,7 @@ from llsrbm.errors import Error, InputError
 from llsrbm.robots import Robot
 from llsrbm.wire.layout import Layout, Record
 from llsrbm.wire.link import Link
+from llsrbm.wire.motion_switcher import MotionSwitcher, SimulatedSwitcher
 from llsrbm.wire.unitree import UnitreeMessages
 from llsrbm.wire.unitree_layouts import COMMAND_TOPIC, STATE_TOPIC, STRUCTURES
 
@@ -43,6 +45,7 @@ ROBOT_DOMAIN, SIMULATOR_DOMAIN = 0, 1  # of the maker's robots, and of its simul
 # Samples that a reader keeps until they are taken, a second's: one that keeps the last alone and is
 # late now and then loses 4 %.
 _KEPT = 500
+_LISTENS_FOR = 0.3  # s: a controller writes every 2 ms
 _TYPES: dict[str, Any] = {
     "u1": types.uint8,
     "u2": types.uint16,
@@ -53,6 +56,15 @@ _TYPES: dict[str, Any] = {
 }
 _array: Any = types.array
 _CDR = Policy.DataRepresentation(use_cdrv0_representation=True)  # version 1, as `Layout` has it
+
+
+# Whatever a robot's writers promise, readers ask for less; they hear nothing of their own end.
+_HEARS = Qos(
+    _CDR,
+    Policy.History.KeepLast(_KEPT),
+    Policy.Reliability.BestEffort,
+    Policy.IgnoreLocal.Participant,
+)
 
 
 @cache
@@ -154,13 +166,14 @@ class _Ends:
     ) -> None:
         domain = default_domain(interface) if domain is None else domain
         self.place = f"interface {interface}, domain {domain}"
+        self.on_loopback = interface == LOOPBACK
         try:
             participant = _participant(interface, domain)
             topics = [Topic(participant, name, sample_type(made)) for name, made in (written, read)]
             self._writer = DataWriter(participant, topics[0], Qos(_CDR))
-            # Whatever a robot's writers promise, this reader asks for less.
-            kept = Qos(_CDR, Policy.History.KeepLast(_KEPT), Policy.Reliability.BestEffort)
-            self._reader = DataReader(participant, topics[1], kept)
+            self._reader = DataReader(participant, topics[1], _HEARS)
+            # Of the written topic, what others write.
+            self._beside = DataReader(participant, topics[0], _HEARS)
         except DDSException as error:
             raise Error(f"{self.place}: {error}") from error
         self._type = sample_type(written[1])
@@ -169,7 +182,7 @@ class _Ends:
         )
         self._waiting = WaitSet(participant)
         self._waiting.attach(unread)
-        self._participant, self._unread = participant, unread
+        self.participant, self._unread = participant, unread
 
     def write(self, record: Record) -> None:
         self._writer.write(self._type(record))
@@ -177,6 +190,10 @@ class _Ends:
     def taken(self) -> list[Record]:
         """All that has arrived and was not taken yet."""
         return [sample.record for sample in self._reader.take(_KEPT) if hasattr(sample, "record")]
+
+    def others(self) -> int:
+        """The samples that others have written to the same topic since the last call."""
+        return len(self._beside.take(_KEPT))
 
     def wait(self, timeout: float) -> bool:
         """Wait until something has arrived, `timeout` s at most; whether it has."""
@@ -187,7 +204,7 @@ class _Ends:
         return len(self._writer.get_matched_subscriptions()) > 0
 
     def close(self) -> None:
-        del self._waiting, self._unread, self._reader, self._writer, self._participant
+        del self._waiting, self._unread, self._beside, self._reader, self._writer, self.participant
 
 
 class DdsLink(Link):
@@ -206,6 +223,42 @@ class DdsLink(Link):
             (STATE_TOPIC, self._messages.state_layout),
         )
         self._arrived: deque[Record] = deque()
+
+    def take_over(self, *, released: bool = False) -> str:
+        """Have the robot's own controller end, and make sure that nobody else commands the motors.
+
+        `released`: it was ended by hand; else a robot's motion switcher has to answer, on the
+        loopback one that is there. Returns what was done, one line.
+
+        Raises `Error`: no answer, a controller that does not end, or commands of others.
+        """
+        switcher = MotionSwitcher(self._ends.participant)
+        mode = switcher.mode()
+        done = "the robot runs no controller of its own"
+        if mode:
+            switcher.release()
+            done = f'the robot\'s own controller "{mode}" was released'
+        elif mode is None and not released and not self._ends.on_loopback:
+            raise Error(
+                f"{self._ends.place}: no motion switcher of the robot answers, so its own "
+                "controller may still command the motors; expected an answer, or --released after "
+                "it was ended by hand"
+            )
+        elif mode is None:
+            done = "no motion switcher answers"
+        self.others()
+        time.sleep(_LISTENS_FOR)
+        heard = self.others()
+        if heard:
+            raise Error(
+                f"{self._ends.place}: another program writes {COMMAND_TOPIC} ({heard} commands in "
+                f"{_LISTENS_FOR:g} s); expected none: two would fight for the motors"
+            )
+        return f"{done}; nobody else commands the motors"
+
+    def others(self) -> int:
+        """See `Link`."""
+        return self._ends.others()
 
     def send(self, command: MotorCommand) -> None:
         """Send a command; it holds until the next one."""
@@ -232,9 +285,13 @@ class DdsRobot:
     """The robot's end of the same wire, for a simulated one; arguments and errors as `DdsLink`.
 
     `refused`: commands with a wrong checksum, which robots do not follow; `place`: where it is.
+    `held_by`: name of a controller of the robot's own, which writes commands until the robot's
+    motion switcher is told to release it; "" for none.
     """
 
-    def __init__(self, robot: Robot, interface: str, domain: int | None = None) -> None:
+    def __init__(
+        self, robot: Robot, interface: str, domain: int | None = None, held_by: str = ""
+    ) -> None:
         self._messages = UnitreeMessages(robot)
         self._ends = _Ends(
             interface,
@@ -243,10 +300,22 @@ class DdsRobot:
             (COMMAND_TOPIC, self._messages.command_layout),
         )
         self.refused, self.place = 0, self._ends.place
+        participant = self._ends.participant
+        self._switcher = SimulatedSwitcher(participant, held_by)
+        topic = Topic(participant, COMMAND_TOPIC, sample_type(self._messages.command_layout))
+        self._own = DataWriter(participant, topic, Qos(_CDR))
+        still = np.zeros(len(robot.joint_names))
+        stands = MotorCommand(robot.posture[7:], still, still, still, still)
+        self._holds = sample_type(self._messages.command_layout)(
+            self._messages.pack_command(stands)
+        )
 
     def publish(self, readings: Readings, voltage: float) -> None:
         """Send readings; `voltage`: share of the battery's."""
         self._ends.write(self._messages.pack_state(readings, voltage))
+        self._switcher.serve()
+        if self._switcher.mode:
+            self._own.write(self._holds)
 
     def commands(self, timeout: float) -> list[MotorCommand]:
         """The commands that have arrived, or arrive within `timeout` s: the first ends the wait."""
@@ -259,4 +328,5 @@ class DdsRobot:
 
     def close(self) -> None:
         """Stop sending and receiving."""
+        del self._own, self._switcher
         self._ends.close()

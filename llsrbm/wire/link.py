@@ -34,6 +34,10 @@ class Link(ABC):
     def receive(self, timeout: float) -> Readings | None:
         """The next reading that was not received yet; None if none arrives within `timeout` s."""
 
+    def others(self) -> int:
+        """Commands of other programs to the same motors that were heard since the last call."""
+        return 0
+
     @abstractmethod
     def close(self) -> None:
         """Stop sending and receiving."""

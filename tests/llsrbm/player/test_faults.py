@@ -53,6 +53,18 @@ def test_a_robot_that_is_never_heard():
     assert all(is_brake(command) for _, command in stage.wire.sent)
 
 
+@pytest.mark.parametrize("fault", [RAMPING, IN_THE_AIR])
+def test_another_program_that_commands_the_robot(fault):
+    """Two writers fight for the motors: this one stops at once and sends no brakes either."""
+    stage = Stage()
+    stage.wire.others = lambda: 3 * (stage.simulated.time >= fault)
+    ended = stage.run()
+    assert re.search(r"and left alone: commands: another program .* \(3 heard\)", ended.line)
+    assert "damp" not in stage.names
+    assert fault <= ended.time <= fault + 0.01
+    assert all(time < ended.time for time, _ in stage.wire.sent)
+
+
 @pytest.mark.parametrize("late_by", [0.012, 0.018])
 def test_readings_that_come_late(late_by):
     stage = Stage()
