@@ -6,6 +6,7 @@ import contextlib
 import errno
 import ipaddress
 import os
+import shutil
 import socket
 import sys
 import tempfile
@@ -38,6 +39,7 @@ from app.workers.tasks import PlanJump, PlannerFactory, Prepare
 from app.workers.worker import LibraryPlanner
 from llsrbm import models
 from llsrbm.errors import InputError
+from llsrbm.ocp.compiled import ENVIRONMENT_VARIABLE
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, read_robot_file
 from llsrbm.robots.schema import robot_files
@@ -86,7 +88,7 @@ class Designer:
         self.open_to_all = not loopback and not self._access.required
         self._owns_pool = pool is None
         self.pool = pool or WorkerPool(planner)
-        self.initial = InitialPlans(self.pool.planner, file)
+        self.initial = InitialPlans(self.pool.planner, file, _on_compiler())
         files = {name: read_robot_file(path) for name, path in robot_files().items()}
         self.tabs = Tabs(
             self.pool,
@@ -118,6 +120,8 @@ class Designer:
         others = [name for name in models.names() if name != first.model]
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
         self.initial.recall(robot)
+        if self.initial.note:
+            _print(f"{self.initial.note} (apt-get install gcc libc6-dev, or CC=...)")
 
         last = ""
 
@@ -204,6 +208,14 @@ def is_loopback(host: str) -> bool:
     found = socket.getaddrinfo(host, None, type=socket.SOCK_STREAM)
     addresses = (str(address[0]).partition("%")[0] for *_, address in found)
     return all(ipaddress.ip_address(address).is_loopback for address in addresses)
+
+
+def _on_compiler() -> str:
+    """The sentence on a C compiler that is missing; "": there is one, or it is switched off."""
+    off = os.environ.get(ENVIRONMENT_VARIABLE) == "0"
+    if off or shutil.which(os.environ.get("CC") or "cc"):
+        return ""
+    return "This server has no C compiler: planning takes twice as long as with one."
 
 
 def _has_display() -> bool:

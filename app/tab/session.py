@@ -79,7 +79,7 @@ class Session:
         self.token: str | None = None
         self.superseded = False  # another session goes on with its state
         self.failed = False  # a defect has ended it
-        self.state = first_state(robots)
+        self.state = first_state(robots, initial.note)
         self._outside: Outside | None = None
         self._rendering: Rendering | None = None
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import logging
 import math
+import resource
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -30,6 +32,9 @@ from llsrbm.robots import Robot, load_robot
 
 LARGEST_UNPACKED = 32 * 1024**2
 """Bytes of a native file's arrays; a simulation of 10 s at 1 kHz has half of it."""
+
+MOST_GROWTH = 400 * 1024**2
+"""Bytes by which a process may grow while it reads a file; text takes ten times its size."""
 
 LONGEST = 60.0  # s of motion
 MOST_INSTANTS = 20_000
@@ -56,7 +61,8 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
         path = Path(folder) / f"motion{suffix if suffix in _SUFFIXES else ''}"
         try:
             path.write_bytes(content)
-            with np.errstate(all="ignore"):  # of numbers that make no sense, which is said
+            # Numbers that make no sense are refused in words.
+            with growing_by(MOST_GROWTH), np.errstate(all="ignore"):
                 if _is_design(name, path):
                     return OpenedFile(shown, uploaded_design(name, content))
                 opened = _opened(path, shown, robot, fps)
@@ -64,11 +70,28 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
                 return opened
         except Error as error:
             raise FileFormatError(_line(str(error).replace(str(path), shown))) from error
+        except MemoryError as error:
+            raise FileFormatError(
+                f"{shown}: reading it takes more than {MOST_GROWTH >> 20} MB of memory"
+            ) from error
         except Exception as error:  # whatever a made-up file leads to; the process shall go on
             _log.info("%s cannot be opened", shown, exc_info=True)
             raise FileFormatError(
                 f"{shown}: {UNFORESEEN} ({type(error).__name__}: {printable(_line(str(error)))})"
             ) from error
+
+
+@contextmanager
+def growing_by(most: int) -> Iterator[None]:
+    """Have what would make the process larger by so many bytes fail with `MemoryError` (Linux)."""
+    before = resource.getrlimit(resource.RLIMIT_DATA)
+    with suppress(OSError, ValueError):  # elsewhere, or the limit is lower already
+        pages = int(Path("/proc/self/statm").read_text("ascii").split()[5])
+        resource.setrlimit(resource.RLIMIT_DATA, (pages * resource.getpagesize() + most, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_DATA, before)
 
 
 def _is_design(name: str, path: Path) -> bool:

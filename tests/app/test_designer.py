@@ -28,6 +28,7 @@ from llsrbm.request.jump import Jump
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_http import asked
+from tests.app.raw_tab import RawTab
 from tests.app.waits import wait_until
 
 PROGRAM = """
@@ -118,6 +119,25 @@ def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
         designer.warm_up("anymal")
         assert ready.wait(30)
     assert lines == ["  preparing anymal ...", "  solving ...", "ready"]
+
+
+@pytest.mark.parametrize(
+    ("switch", "compiler", "noted"), [("1", "", 1), ("0", "", 0), ("1", "cc", 0)]
+)
+def test_a_missing_compiler_is_one_line_and_a_note_on_the_page(
+    monkeypatch, tmp_path, capfd, switch, compiler, noted
+):
+    if compiler:
+        (tmp_path / compiler).touch(mode=0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setenv("LLSRBM_COMPILE", switch)
+    monkeypatch.delenv("CC", raising=False)
+    with closing(Designer(port=0, token="none", planner=SyntheticPlanner)) as designer:
+        designer.warm_up("anymal")
+        with RawTab(designer.port) as tab:
+            tab.wait_for_status("Feasible")
+            assert designer.sessions[0].state.note.count("no C compiler") == noted
+    assert capfd.readouterr().err.count("This server has no C compiler: planning takes") == noted
 
 
 TOKEN = "a-token-of_32-characters-exactly"

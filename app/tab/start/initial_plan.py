@@ -41,8 +41,9 @@ class InitialPlans:
     never under the lock.
     """
 
-    def __init__(self, planned_by: str, file: OpenedFile | None = None) -> None:
+    def __init__(self, planned_by: str, file: OpenedFile | None = None, note: str = "") -> None:
         """Other planners' plans than `planned_by`'s are not recalled; tabs begin with `file`."""
+        self.note = note  # a sentence on the server, to begin with
         # with which every tab begins; None: with the design that its browser kept, or with the
         # example
         self.file = file

@@ -22,9 +22,9 @@ from llsrbm.request.jump import Jump
 from llsrbm.robots import RobotFile
 
 
-def first_state(robots: Mapping[str, RobotFile]) -> TabState:
-    """A tab of which nothing is known yet: the example of the first robot."""
-    return TabState(robots, example_design(robots[Jump().robot]))
+def first_state(robots: Mapping[str, RobotFile], note: str = "") -> TabState:
+    """A tab of which nothing is known yet: the example of the first robot, and a note on it."""
+    return TabState(robots, example_design(robots[Jump().robot]), note=note)
 
 
 def example_design(file: RobotFile) -> Design:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from app.workers import file_reading
-from app.workers.file_reading import LARGEST_UNPACKED, differing, open_file
+from app.workers.file_reading import LARGEST_UNPACKED, MOST_GROWTH, differing, open_file
 from app.workers.opened_file import States
 from llsrbm.errors import Error
 from llsrbm.motion.plan import Plan
@@ -192,6 +192,18 @@ def test_what_nothing_foresaw_is_a_line_too(monkeypatch):
     monkeypatch.setattr(file_reading, "_show", fail)
     line = refusal(*DAMAGED.good[0])
     assert line == "plan.npz: cannot be opened (ZeroDivisionError: of something)"
+
+
+def test_a_file_that_grows_when_it_is_read_is_given_up(monkeypatch):
+    """Whatever its format; what the process does next has its memory again."""
+
+    def read(path, robot, fps):
+        return np.ones(2 * MOST_GROWTH // 8)
+
+    monkeypatch.setattr(file_reading, "load_motion", read)
+    line = refusal("motion.csv", b"1,2\n")
+    assert line == "motion.csv: reading it takes more than 400 MB of memory"
+    assert len(np.ones(2 * MOST_GROWTH // 8)) > 0
 
 
 def test_a_name_is_one_printable_line():
