@@ -59,7 +59,8 @@ def plan(
         refine: a second stage on the whole body's equations of motion, with every joint's stops,
             drives and friction, near the plan of the first. Where it does not converge the first
             one's plan is returned: `Plan.refined` says which.
-        cancelled: asked before and during every attempt; True ends with `Cancelled` within 0.1 s.
+        cancelled: asked before and during every attempt and while solvers are built; True ends with
+            `Cancelled` within 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
     Raises:
@@ -73,7 +74,7 @@ def plan(
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
     start = time.perf_counter()
-    planner = planner_of(jump, solver, intervals)
+    planner = planner_of(jump, solver, intervals, cancelled=cancelled)
     build_time = time.perf_counter() - start
     result = planner.plan(
         jump,

@@ -20,14 +20,15 @@ import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
 
+from llsrbm.abandon import go_on
 from llsrbm.cache import forget_old, mark_used
-from llsrbm.ocp.compile_job import failed
+from llsrbm.ocp.compile_job import failed, is_sealed
 from llsrbm.ocp.stage_functions import mapped
 from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed, Transcription
 
@@ -44,6 +45,7 @@ _OPTIONS = (
 _JOB = Path(__file__).with_name("compile_job.py")
 # s that a compiler may take to list its macros.
 _MACROS_WITHIN = 10.0
+COMPILED = 30.0  # MB that a solver takes beside its library
 # s between looks whether another process has finished.
 _LOOK_EVERY = 0.2
 # s for which a compilation that failed is not tried again.
@@ -97,6 +99,7 @@ def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
     files: dict[str, str] = {}
 
     def write(name: str, *functions: ca.Function) -> None:
+        go_on()
         generator = ca.CodeGenerator(name)
         for function in functions:
             generator.add(function)
@@ -137,6 +140,29 @@ def packed(files: Mapping[str, str]) -> bytes:
     return zlib.compress(json.dumps(files).encode("ascii"), level=1)
 
 
+@cache
+def asker() -> int:
+    """The end of a pipe for processes that are to end with this one, which holds the other."""
+    theirs, _ = os.pipe()
+    return theirs
+
+
+def is_whole(library: Path) -> bool:
+    """Whether a compiled library is there and undamaged; a damaged one is removed, with a warning,
+    so that it is made anew.
+    """
+    try:
+        if is_sealed(library):
+            return True
+        _log.warning("%s is damaged; it is made anew", library)
+        library.unlink()
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        _log.warning("%s cannot be used (%s); going on without", library, error)
+    return False
+
+
 @dataclass(eq=False)
 class Library:
     """A library of compiled functions, there or yet to come."""
@@ -149,7 +175,7 @@ class Library:
         if self._job is not None and self._job.poll() is not None:
             self._report(self._job)
             self._job = None
-        if not self.path.exists():
+        if not is_whole(self.path):
             return None
         try:
             functions = {name: ca.external(name, str(self.path)) for name in FUNCTIONS}
@@ -158,7 +184,8 @@ class Library:
             _log.warning("compiled functions cannot be loaded (%s); going on without", error)
             return None
         mark_used(self.path)
-        return Transcribed(functions, Structure.of_lists(*(n.nonzeros() for n in lists)))
+        megabytes = COMPILED + self.path.stat().st_size / 1e6
+        return Transcribed(functions, Structure.of_lists(*(n.nonzeros() for n in lists)), megabytes)
 
     def compile(self, compiler: Compiler, source: bytes) -> None:
         """Begin to make it in the background, from `packed` files."""
@@ -174,22 +201,27 @@ class Library:
             file.write(source)
             file.seek(0)
             self._job = subprocess.Popen(
-                [sys.executable, "-I", str(_JOB), str(self.path), *compiler.command],
+                [sys.executable, "-I", str(_JOB), str(self.path), str(asker()), *compiler.command],
                 stdin=file,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
-                start_new_session=True,  # goes on when this program ends or is interrupted
+                pass_fds=(asker(),),
+                start_new_session=True,  # a terminal's Ctrl-C is for this program
             )
 
     def wait(self) -> None:
         """Until it has been made, or could not be, by this process or by another."""
         if self._job is not None:
             self._job.wait()
-        while not (self.path.exists() or failed(self.path).exists()) and self._is_in_work():
+        while not failed(self.path).exists() and self.is_in_work():
             time.sleep(_LOOK_EVERY)
 
-    def _is_in_work(self) -> bool:
-        """True if a process holds the job's lock (`llsrbm.ocp.compile_job`)."""
+    def is_in_work(self) -> bool:
+        """True while it is being made: this process's job runs, or another holds the lock."""
+        if self.path.exists():
+            return False
+        if self._job is not None and self._job.poll() is None:
+            return True
         try:
             with Path(f"{self.path}.lock").open("rb") as lock:
                 fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)

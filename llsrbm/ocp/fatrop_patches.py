@@ -34,7 +34,8 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.cache import cache_path, content_key, forget_old
-from llsrbm.ocp.compiled import Compiler
+from llsrbm.ocp.compile_job import seal
+from llsrbm.ocp.compiled import Compiler, is_whole
 
 _log = logging.getLogger(__name__)
 
@@ -177,7 +178,7 @@ def compiled(compiler: Compiler, source: str) -> Path:
     subprocess.SubprocessError`: it cannot be made.
     """
     path = cache_path("kernel", content_key(source, repr(_OPTIONS), compiler.identity), ".so")
-    if not path.exists():
+    if not is_whole(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent) as folder:
             made = Path(folder, path.name)
@@ -188,6 +189,7 @@ def compiled(compiler: Compiler, source: str) -> Path:
                 timeout=_COMPILED_WITHIN,
                 check=True,
             )
+            seal(made)
             made.replace(path)
         forget_old(path)
     return path

@@ -6,8 +6,9 @@ solves, while the caller's thread waits, looks now and then, and calls back.
 One solve runs at a time in a process: Fatrop's print level is one for all, and a solver keeps the
 statistics of its last solve alone. Expressions may be built meanwhile: CasADi's wheels count
 references atomically (`CASADI_WITH_THREADSAFE_SYMBOLICS`). A cancelled solve ends at its next step
-where Fatrop is patched (`llsrbm.ocp.fatrop_patches`), else when the solver is done with it; the
-next solve waits for that, the end of the process does not.
+where Fatrop is patched (`llsrbm.ocp.fatrop_patches`), else when the solver is done with it; a
+solver that is being built, at the next stage (`llsrbm.abandon`). The next solve waits for that, the
+end of the process does not.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 from typing import Any, TextIO, TypeVar, cast
 
+from llsrbm.abandon import ended_by
 from llsrbm.errors import Cancelled
 from llsrbm.ocp import fatrop_patches
 
@@ -128,7 +130,7 @@ def attended(
 
     def run() -> None:
         try:
-            with solving:
+            with solving, ended_by(abandoned):
                 if abandoned.is_set():
                     raise _cancelled()
                 fatrop_patches.begin(number)
@@ -163,6 +165,13 @@ def attended(
         if not future.done():
             abandoned.set()
             fatrop_patches.cancel(number)
+
+
+def interruptible(
+    make: Callable[[], Result], cancelled: Callable[[], bool] | None = None
+) -> Result:
+    """What `make` builds, unless `cancelled()` becomes true meanwhile: `Cancelled` at once then."""
+    return make() if cancelled is None else attended(make, lambda: None, None, cancelled)
 
 
 def _cancelled() -> Cancelled:

@@ -12,10 +12,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.abandon import go_on
 from llsrbm.ocp.horizon import StageExpressions
 
 # Below this number of stages decoding scalar instructions costs less than calling vector ones.
 WORTHWHILE = 6
+_STEP = 10_000  # instructions, some 0.1 s
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,7 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
     J = ca.vertcat(gap_before, J)
 
     def function(kind: str, arguments: list[Any], results: list[ca.SX]) -> ca.Function:
+        go_on()
         # One substitution for all results of a function keeps what they share shared.
         joined = stage.lift.resolve(ca.vertcat(*results))
         split = np.cumsum([0, *(r.shape[0] for r in results)]).tolist()
@@ -111,6 +114,7 @@ def mapped(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
 
 def batched(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
     """Evaluate an SX function as `mapped` does, instruction by instruction for all stages."""
+    go_on()
     if count < WORTHWHILE:
         return mapped(function, count, *arguments)
     inputs = []
@@ -120,6 +124,8 @@ def batched(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
     outputs: list[list[Any]] = [[None] * function.numel_out(j) for j in range(function.n_out())]
     work: dict[int, Any] = {}
     for k in range(function.n_instructions()):
+        if k % _STEP == 0:
+            go_on()
         operation = function.instruction_id(k)
         take, give = function.instruction_input(k), function.instruction_output(k)
         if operation == ca.OP_INPUT:

@@ -58,8 +58,11 @@ Evaluate = Callable[..., list[Any]]
 class Transcribed:
     """A parametric problem, as solvers take it: its `FUNCTIONS`, and the sizes of its stages."""
 
-    def __init__(self, functions: dict[str, ca.Function], structure: Structure) -> None:
-        self.functions, self.structure = functions, structure
+    def __init__(
+        self, functions: dict[str, ca.Function], structure: Structure, megabytes: float = 0.0
+    ) -> None:
+        """`megabytes`: of memory that a solver of them takes, where that is known."""
+        self.functions, self.structure, self.megabytes = functions, structure, megabytes
 
 
 class Transcription(Transcribed):

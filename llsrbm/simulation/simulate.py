@@ -16,6 +16,7 @@ from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.ocp.progress import interruptible
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -154,7 +155,8 @@ def simulate(
     world.reset(start, starting_velocity(robot, plan, start))
     hooks: list[Hook] = [pushes]
     if scenario.replan:
-        hooks.append(Replanning(plan, robot, tick, scenario.replan_latency))
+        latency = scenario.replan_latency
+        hooks.append(interruptible(lambda: Replanning(plan, robot, tick, latency), cancelled))
     episode = Episode(world, sensors, controller, recorder, hooks)
     episode.run(round(duration / tick) + 1, cancelled=cancelled, progress=progress, so_far=so_far)
 

@@ -55,6 +55,7 @@ NEAR_MU = NEAR_TOLERANCE / 11
 # A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
 # Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
 TOO_FAR = 1.0
+MEMORY_OF_TEXT = 1.4e-6  # MB a letter: 1.0 to 1.5 of ten solvers
 # Likewise of a guess: analytic ones violate rows by some 3.
 HOPELESS = 100.0
 
@@ -81,6 +82,11 @@ class Solver(ABC):
         rows = self.function("nlp_g")
         return int(rows.numel_in(0)), int(rows.numel_out(0))
 
+    @property
+    def megabytes(self) -> float:
+        """Memory that it takes, MB; 0 if that is not known."""
+        return self._problem.megabytes
+
     def serialize(self) -> str:
         """The problem as text, for a cache."""
         serializer = ca.StringSerializer()
@@ -91,11 +97,11 @@ class Solver(ABC):
 
     @classmethod
     def deserialize(cls, text: str) -> Solver:
-        """The solver of the problem that `serialize` wrote."""
+        """The solver of the problem that `serialize` wrote; its size follows from the text's."""
         serializer = ca.StringDeserializer(text)
         functions = dict(zip(FUNCTIONS, serializer.unpack(), strict=True))
         structure = Structure.of_lists(*(serializer.unpack() for _ in range(4)))
-        return cls(Transcribed(functions, structure))
+        return cls(Transcribed(functions, structure, MEMORY_OF_TEXT * len(text)))
 
     def replace_by(
         self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None

@@ -12,7 +12,6 @@ at first, sampled at the new knots.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -39,6 +38,7 @@ from llsrbm.planning.replan.under_way import (
     relaxed_limits,
 )
 from llsrbm.planning.solve.formulation import Formulation, knot_arrays
+from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
@@ -113,6 +113,7 @@ class Replanner:
         task = task_of(plan, self._robot)
         self._task = relaxed_limits(task)
         self.in_flight = not task.clears
+        self._formulations: dict[Layout, Formulation] = {}
         # And for which time, s on the plan's clock.
         self._last: dict[Layout, tuple[float, Iterate]] = {}
 
@@ -179,7 +180,10 @@ class Replanner:
             turns=self._task.jump.turns,
             arm_joints=len(self._task.free_arms),
         )
-        return _kept(self._robot, self._task.jump.model, layout)
+        if layout not in self._formulations:  # held: answers have no time to load one
+            own = self._robot, self._task.jump.model, layout
+            self._formulations[layout] = kept((Formulation, *own), lambda: _formulation(*own))
+        return self._formulations[layout]
 
     def _task_from(self, state: State) -> Task:
         """The task of the rest of the jump, from a state on."""
@@ -377,9 +381,7 @@ class Replanner:
         )
 
 
-@lru_cache(maxsize=12)
-def _kept(robot: Robot, model: str, layout: Layout) -> Formulation:
-    """Of all jumps in a row, such as a table's."""
+def _formulation(robot: Robot, model: str, layout: Layout) -> Formulation:
     made = make_model(model, robot, free_arms=layout.arm_joints > 0)
     return Formulation(
         robot, made, layout, cached_solver(solvers.Fatrop, of_jumps(made, layout, robot))

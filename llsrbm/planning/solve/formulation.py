@@ -123,6 +123,11 @@ class Formulation:
     # Constraints that `reconciled` may satisfy by solving again with the results of the check.
     mended: ClassVar[frozenset[str]] = frozenset(c.name for c in AGREED) | CORRECTED
 
+    @property
+    def solvers(self) -> tuple[Solver, ...]:
+        """The one that it has."""
+        return (self.solver,)
+
     def problem(self, task: Task) -> Problem:
         """The task's numbers."""
         return make_problem(self.layout, task)

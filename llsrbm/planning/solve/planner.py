@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, partial
 
 from llsrbm.errors import InputError
 from llsrbm.models import check_name, free_arms_of, make_model
@@ -15,7 +15,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import NEAREST
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
-from llsrbm.ocp.progress import when_idle
+from llsrbm.ocp.progress import interruptible, when_idle
 from llsrbm.planning.problem.elastic import ElasticLayout
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
@@ -31,6 +31,7 @@ from llsrbm.planning.solve.formulation import (
 )
 from llsrbm.planning.solve.guess_table import Guesses
 from llsrbm.planning.solve.hurried import find_roughly, with_bounds_nearby
+from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.reasons import refusal, unexplained
@@ -88,12 +89,18 @@ class Planner:
             robot, made, layout, cached_solver(kind, of_jumps(made, layout, robot))
         )
         self.last: Attempt | None = None
-        self._elastics: dict[ElasticLayout, ElasticFormulation] = {}
+        self._elastic_kept: ElasticFormulation | None = None  # of the last request's places
 
     @cached_property
     def guesses(self) -> Guesses:
         """The robot's table of solutions."""
         return Guesses(self.formulation)
+
+    @property
+    def solvers(self) -> tuple[solvers.Solver, ...]:
+        """Of the jumps, and of nearer ones once they were looked for."""
+        elastic = self._elastic_kept
+        return (self.formulation.solver, *(() if elastic is None else (elastic.solver,)))
 
     @property
     def robot(self) -> Robot:
@@ -180,7 +187,8 @@ class Planner:
         """Attempts at the request, and the nearest jump if all have failed and it is looked for."""
         if looks and near is not None and near.is_nearest:
             # What is asked now will hardly do where the request before did not.
-            nearest = find_nearest(self._elastic(task), task, watch, self._less(task, near))
+            elastic = self._elastic(task, watch)
+            nearest = find_nearest(elastic, task, watch, self._less(task, near))
             if nearest is not None:
                 return [], nearest
         tried: list[Attempt] = []
@@ -195,7 +203,7 @@ class Planner:
         watch.begin("looking for the nearest jump that can be planned")
         find = find_roughly if hurried else find_nearest
         begun = task.jump, tried[-1].solution.variables
-        return tried, find(self._elastic(task), task, watch=watch, begun=begun)
+        return tried, find(self._elastic(task, watch), task, watch=watch, begun=begun)
 
     def _from_near(
         self, task: Task, near: Plan, watch: Watch
@@ -211,7 +219,8 @@ class Planner:
                 return [replace(attempt, label=FOLLOWED)], None
             tried = [attempt]
         watch.begin("looking for the nearest jump that can be planned")
-        found = find_roughly(self._elastic(task), minded, (near.jump, start.variables), watch)
+        begun = near.jump, start.variables
+        found = find_roughly(self._elastic(task, watch), minded, begun, watch)
         if found is None and not tried:  # a refusal says where the request stopped
             tried = [form.follow(minded, start, watch)]
         return tried, found
@@ -250,11 +259,13 @@ class Planner:
         first = self.formulation.solver.name == solvers.names()[0]
         return first and not task.jump.turns and all(self.layout.stands[0])
 
-    def _elastic(self, task: Task) -> ElasticFormulation:
+    def _elastic(self, task: Task, watch: Watch) -> ElasticFormulation:
         layout = ElasticLayout.around(self.layout, task)
-        if layout not in self._elastics:
-            self._elastics[layout] = ElasticFormulation.of(self.formulation, layout)
-        return self._elastics[layout]
+        if self._elastic_kept is None or self._elastic_kept.layout != layout:
+            self._elastic_kept = None  # its memory is for the next one
+            make = partial(ElasticFormulation.of, self.formulation, layout)
+            self._elastic_kept = watch.built(make)
+        return self._elastic_kept
 
     def has_nearest_built(self, jump: Jump) -> bool:
         """Whether looking for a nearer jump takes no building first, or there is none."""
@@ -262,17 +273,24 @@ class Planner:
         if not self._has_nearest(task):
             return True
         layout, form = ElasticLayout.around(self.layout, task), self.formulation
-        known = layout in self._elastics
+        kept = self._elastic_kept
+        known = kept is not None and kept.layout == layout
         return known or is_built(type(form.solver), of_jumps(form.model, layout, form.robot))
 
-    def prepare_nearest(self, jump: Jump, *, settle: bool = False) -> None:
+    def prepare_nearest(
+        self,
+        jump: Jump,
+        *,
+        settle: bool = False,
+        cancelled: Callable[[], bool] | None = None,
+    ) -> None:
         """Load or build the solver of nearer jumps, which takes half a minute the first time.
 
-        `settle`: and wait until it is compiled.
+        `settle`: and wait until it is compiled. Raises `Cancelled`: `cancelled` was true.
         """
         task = make_task(jump, self.formulation.robot)
         if self._has_nearest(task):
-            elastic = self._elastic(task)
+            elastic = self._elastic(task, Watch(cancelled))
             if settle:
                 elastic.solver.settle()
 
@@ -354,8 +372,9 @@ def planner_of(
     solver: str = solvers.names()[0],
     intervals: int = INTERVALS,
     robot: Robot | None = None,
+    cancelled: Callable[[], bool] | None = None,
 ) -> Planner:
-    """The planner of a jump's robot, model and type, built once a process.
+    """The planner of a jump's robot, model and type, built once and kept (`solve.kept`).
 
     It is built again when the robot's file, or that of the type, has changed.
 
@@ -364,15 +383,18 @@ def planner_of(
         solver: its name.
         intervals: as for three phases.
         robot: the one that the request names, with other drives (`llsrbm.robots.drives`).
+        cancelled: asked while it is built; True ends with `Cancelled` within 0.1 s.
 
     Raises:
         InputError: a whole turn about an axis about which the robot makes none.
+        Cancelled: `cancelled` was true.
     """
     robot = robot or load_robot(jump.robot)
     if jump.turns:
         robot = robot.turning
         check_turns(jump, robot)
-    return _kept(robot, jump.model, solver, layout_of(jump, robot, intervals))
+    own = robot, jump.model, solver, layout_of(jump, robot, intervals)
+    return kept((Planner, *own), lambda: interruptible(partial(Planner, *own), cancelled))
 
 
 def planner_for(
@@ -380,8 +402,3 @@ def planner_for(
 ) -> Planner:
     """The planner of a robot's name or file and a model's name, for jumps of the default type."""
     return planner_of(Jump(robot=robot, model=model), solver, intervals)
-
-
-@lru_cache(maxsize=12)
-def _kept(robot: Robot, model: str, solver: str, layout: Layout) -> Planner:
-    return Planner(robot, model, solver, layout)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeVar
 
 from llsrbm.errors import Cancelled
 from llsrbm.ocp.horizon import Solution
-from llsrbm.ocp.progress import IterationTable, attended, when_idle
+from llsrbm.ocp.progress import IterationTable, attended, interruptible, when_idle
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class PlanningProgress:
 
 
 Progress = Callable[[PlanningProgress], None]
+Result = TypeVar("Result")
 
 
 class Watch:
@@ -64,6 +66,14 @@ class Watch:
         self._table = IterationTable()
         if self._progress is not None:
             self._progress(PlanningProgress(text))
+
+    def built(self, make: Callable[[], Result]) -> Result:
+        """What `make` builds.
+
+        Raises:
+            Cancelled: on request.
+        """
+        return interruptible(make, self._cancelled)
 
     def over(self, solve: Callable[[], Solution]) -> Solution:
         """Run `solve`, reporting progress; its result.

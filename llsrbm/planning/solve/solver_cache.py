@@ -15,29 +15,36 @@ import casadi as ca
 from llsrbm.cache import cache_path, cached_bytes, content_key
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp import fatrop_patches
-from llsrbm.ocp.compile_job import failed
 from llsrbm.ocp.compiled import Library, c_files, compiler, packed
 from llsrbm.ocp.horizon import Horizon
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
+from llsrbm.ocp.solvers.base import MEMORY_OF_TEXT
 from llsrbm.ocp.transcription import Transcription
 from llsrbm.planning.problem.horizon import make_horizon
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.solve.kept import give_back, make_room
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
 
 _PACKAGE = Path(__file__).parents[2]
 
+# Modules on which the functions of a solver depend, beside the problem's expressions.
+_MAKERS = tuple(
+    f"ocp/{name}.py"
+    for name in ("horizon", "lifting", "stage_functions", "transcription", "solvers/base")
+)
+BUILDING = 400.0  # MB, about, that building a solver takes for a while
 
-# Where the library will be of solvers that work without one so far.
-_compiled_for: WeakKeyDictionary[Solver, Path] = WeakKeyDictionary()
+# Of solvers that work without one so far.
+_libraries: WeakKeyDictionary[Solver, Library] = WeakKeyDictionary()
 
 
 def is_compiling(solver: Solver) -> bool:
     """True while a solver is being compiled: until then it takes about twice as long."""
-    path = _compiled_for.get(solver)
-    return path is not None and not path.exists() and not failed(path).exists()
+    library = _libraries.get(solver)
+    return library is not None and library.is_in_work()
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +88,7 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
     @cache
     def transcription() -> Transcription:
         _log.info("building the %s, once on this machine", subject.title)
+        make_room(BUILDING)
         return Transcription(subject.horizon())
 
     def text() -> bytes:
@@ -88,20 +96,27 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
         return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
     name, key = _entry(kind, subject)
-    library, tool = None, compiler() if kind.compiled else None
+    key_in_c = content_key(key, sources("ocp/compiled.py"))
+    tool = compiler() if kind.compiled else None
+    source, library = b"", None
     if tool is not None:
         fatrop_patches.load(tool)
-        library = Library(cache_path(name, content_key(key, tool.identity), ".so"))
+        library = Library(cache_path(name, content_key(key_in_c, tool.identity), ".so"))
         if (loaded := library.load()) is not None:
             return kind(loaded)
     stored = cached_bytes(name, key, ".casadi.z", text)
-    solver = kind.deserialize(zlib.decompress(stored).decode("ascii"))
+    if library is not None:
+        source = cached_bytes(name, key_in_c, ".c.z", lambda: packed(c_files(transcription())))
+    if transcription.cache_info().currsize:
+        transcription.cache_clear()
+        give_back()
+    unpacked = zlib.decompress(stored).decode("ascii")
+    make_room(MEMORY_OF_TEXT * len(unpacked))
+    solver = kind.deserialize(unpacked)
     if tool is not None and library is not None:
-        library.compile(
-            tool, cached_bytes(name, key, ".c.z", lambda: packed(c_files(transcription())))
-        )
+        library.compile(tool, source)
         solver.replace_by(library.load, library.wait)
-        _compiled_for[solver] = library.path
+        _libraries[solver] = library
     return solver
 
 
@@ -115,8 +130,8 @@ def is_built(kind: type[Solver], subject: Subject) -> bool:
 def _entry(kind: type[Solver], subject: Subject) -> tuple[str, bytes]:
     """Name and key of a solver in the cache."""
     name = f"solver-{subject.of}-{kind.name}-{subject.variant}"
-    numbers = _fingerprint(name, subject)
-    return name, content_key(ca.__version__, kind.name, sources("ocp"), numbers)
+    numbers, ours = _fingerprint(name, subject), (sources(module) for module in _MAKERS)
+    return name, content_key(ca.__version__, kind.name, *ours, numbers)
 
 
 def _fingerprint(name: str, subject: Subject) -> bytes:
@@ -130,7 +145,7 @@ def _fingerprint(name: str, subject: Subject) -> bytes:
 
 
 @lru_cache
-def sources(room: str = "") -> bytes:
-    """Key of all modules of the package, or of one of its rooms."""
-    modules = sorted((_PACKAGE / room).rglob("*.py"))
+def sources(module: str = "") -> bytes:
+    """Key of all modules of the package, or of one of them."""
+    modules = [_PACKAGE / module] if module else sorted(_PACKAGE.rglob("*.py"))
     return content_key(*(str(path.relative_to(_PACKAGE)) for path in modules), *modules)

@@ -6,14 +6,16 @@ import logging
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan, Refinement, Violation
 from llsrbm.ocp.horizon import Solution
+from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, SolveOptions, Solver
+from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.whole_body.apart import Apart
@@ -54,6 +56,7 @@ class Refiner:
         self.robot, self.grid, self.sizes = robot, grid, Sizes.of(robot)
         self.solver: Solver = cached_solver(Fatrop, _subject(robot, grid))
         self._unit = unit_of_variables(grid, self.sizes)
+        self.solvers = (self.solver,)
         self.last: Motion | None = None  # of the last plan, for studies
 
     def refine(
@@ -146,7 +149,7 @@ def refined(
     `robot`: the one that the plan names, with other drives.
     """
     start = time.perf_counter()
-    refiner = refiner_of(plan, robot)
+    refiner = interruptible(partial(refiner_of, plan, robot), cancelled)
     built = time.perf_counter() - start
     result = refiner.refine(plan, cancelled=cancelled, progress=progress)
     assert result.refinement is not None
@@ -154,14 +157,10 @@ def refined(
 
 
 def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
-    """The second stage of plans like this one, built once a process; `robot` as of `refined`."""
+    """The second stage of plans like this one, built once and kept; `robot` as of `refined`."""
     robot = robot or load_robot(plan.jump.robot)
-    return _kept(robot.turning if plan.jump.turns else robot, Grid.of(plan))
-
-
-@lru_cache(maxsize=8)
-def _kept(robot: Robot, grid: Grid) -> Refiner:
-    return Refiner(robot, grid)
+    own = robot.turning if plan.jump.turns else robot, Grid.of(plan)
+    return kept((Refiner, *own), partial(Refiner, *own))
 
 
 def _subject(robot: Robot, grid: Grid) -> Subject:

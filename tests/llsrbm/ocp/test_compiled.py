@@ -2,6 +2,8 @@
 
 import os
 import shutil
+import subprocess
+import sys
 import time
 from functools import cache
 from pathlib import Path
@@ -111,23 +113,54 @@ def test_a_compiler_that_fails_is_tried_again_the_next_day(tmp_path, caplog):
     assert attempt(tmp_path, "cc")
 
 
+ASKER = """
+import sys, time
+from pathlib import Path
+from llsrbm.ocp.compiled import Compiler, Library, packed
+Library(Path(sys.argv[1])).compile(Compiler((sys.argv[2],), ""), packed({"a.c": "no C"}))
+print(flush=True)
+time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("how", ["terminate", "kill"])
+def test_a_compilation_ends_with_its_asker_and_leaves_nothing(tmp_path, how):
+    """Its compiler and what that runs too; whichever way the asker ends."""
+    target, pids = tmp_path / "kind" / "cart.so", tmp_path / "pids"
+    target.parent.mkdir()
+    command = program(tmp_path, f"echo half > cart.so; sleep 60 & echo $$ $! > {pids}; wait")
+    asker = subprocess.Popen(
+        [sys.executable, "-c", ASKER, str(target), command], stdout=subprocess.PIPE
+    )
+    asker.stdout.readline()
+    assert within(30.0, lambda: pids.exists() and len(pids.read_text().split()) == 2)
+    getattr(asker, how)()
+    asker.wait()
+    assert within(10.0, lambda: not any(map(runs, pids.read_text().split())))
+    assert within(10.0, lambda: not [*target.parent.iterdir()])
+
+
+def runs(pid):
+    try:
+        return ") Z " not in Path("/proc", pid, "stat").read_text()
+    except OSError:  # it is gone
+        return False
+
+
+def within(seconds, holds):
+    deadline = time.monotonic() + seconds
+    while not holds() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    return holds()
+
+
 def test_a_compiler_that_does_not_end_is_ended_with_all_it_runs(tmp_path, monkeypatch):
     monkeypatch.setattr(compile_job, "LONGEST", 0.3)
     command = program(tmp_path, "sleep 30 & echo $! > child; wait")
     with pytest.raises(OSError, match=r"not finished after 0\.3 s"):
         compile_job.run([command], str(tmp_path))
-    state = Path("/proc", (tmp_path / "child").read_text().strip(), "stat")
-
-    def runs():
-        try:
-            return ") Z " not in state.read_text()
-        except OSError:  # it is gone
-            return False
-
-    deadline = time.monotonic() + 10.0  # a signal takes its time
-    while runs() and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert not runs()
+    child = (tmp_path / "child").read_text().strip()
+    assert within(10.0, lambda: not runs(child))
 
 
 def test_what_is_no_library_is_reported(tmp_path, caplog):
@@ -135,6 +168,11 @@ def test_what_is_no_library_is_reported(tmp_path, caplog):
     assert library.load() is None
     assert caplog.text == ""
     library.path.write_bytes(b"half of it")
+    assert library.load() is None
+    assert "is damaged; it is made anew" in caplog.text
+    assert not library.path.exists()
+    library.path.write_bytes(b"no library")
+    compile_job.seal(library.path)
     assert library.load() is None
     assert "cannot be loaded" in caplog.text
 

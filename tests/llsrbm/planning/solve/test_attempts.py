@@ -1,13 +1,17 @@
 """Attempts of a solve: their starts, progress, cancellation, and what is left when all fail."""
 
 import threading
+import time
+from collections import OrderedDict
 from dataclasses import replace
+from functools import partial
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm.abandon import go_on
 from llsrbm.errors import Cancelled, InputError, NotConverged
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.solve_report import Refinement, Violation
@@ -15,11 +19,12 @@ from llsrbm.ocp import progress, solvers
 from llsrbm.ocp.horizon import Solution
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve import nearest
+from llsrbm.planning.solve import kept, nearest, solver_cache
 from llsrbm.planning.solve.attempts import from_nearby
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
 from llsrbm.planning.solve.progress import PlanningProgress, Watch
+from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import REQUESTS, solved
@@ -243,6 +248,36 @@ def test_cancelled_in_the_middle_of_a_solve(planner):
     again = planner.plan(jump)
     assert release.is_set()
     np.testing.assert_array_equal(again.com, solved("srbm", "all").plan.com)
+
+
+@pytest.mark.parametrize("what", ["plan", "nearest", "refine", "simulate"])
+def test_cancelled_while_a_solver_is_built(what, monkeypatch):
+    """At once, whatever it is built for; and the building ends, too."""
+    plan = solved("srbm", "forward").plan
+    of_jump = planner_for("anymal", "srbm")
+    begun, ended = threading.Event(), threading.Event()
+
+    def build(*_):
+        begun.set()
+        try:
+            while True:
+                go_on()
+                time.sleep(0.01)
+        finally:
+            ended.set()
+
+    monkeypatch.setattr(solver_cache, "Transcription", build)
+    monkeypatch.setattr(solver_cache, "cached_bytes", lambda *parts: parts[-1]())
+    monkeypatch.setattr(kept, "_holders", OrderedDict())
+    ask = {
+        "plan": partial(llsrbm.plan, plan.jump),
+        "nearest": partial(Planner.prepare_nearest, of_jump, plan.jump),
+        "refine": partial(refined, plan),
+        "simulate": partial(llsrbm.simulate, plan, replan=True),
+    }[what]
+    with pytest.raises(Cancelled):
+        ask(cancelled=begun.is_set)
+    assert ended.wait(30)
 
 
 def test_iterations_are_told_while_a_solve_runs(capfd, monkeypatch):

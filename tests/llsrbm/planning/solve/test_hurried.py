@@ -75,7 +75,7 @@ def test_where_nothing_is_given_up_the_solution_is_the_plan():
     jump = replace(START, twist=1.2)
     task = make_task(jump, ANYMAL)
     found = find_roughly(
-        planner._elastic(task), task, (near.jump, near.solution.variables), Watch()
+        planner._elastic(task, Watch()), task, (near.jump, near.solution.variables), Watch()
     )
     assert found.plain.task.jump == jump
     assert found.plain.solved

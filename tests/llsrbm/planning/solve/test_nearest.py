@@ -107,7 +107,7 @@ def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
 
 def elastic():
     planner = planner_for("anymal", FAR.model)
-    return planner._elastic(make_task(FAR, ANYMAL))
+    return planner._elastic(make_task(FAR, ANYMAL), Watch())
 
 
 @pytest.mark.parametrize("jump", [Jump(twist=1.2), Jump(twist=-0.4, forward=0.3, height=0.1)])

@@ -12,6 +12,7 @@ import pytest
 import llsrbm
 from llsrbm.models import make_model
 from llsrbm.ocp import solvers
+from llsrbm.ocp.compiled import is_whole
 from llsrbm.planning.problem.horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
 from llsrbm.planning.solve.planner import layout_of
@@ -59,7 +60,8 @@ def test_a_fingerprint_is_kept_until_any_module_changes(tmp_path, monkeypatch):
     with (package / "mechanics.py").open("a") as file:
         file.write("INSCRIBED = 0.9\n")
     assert solver_cache.sources.__wrapped__() != before
-    assert solver_cache.sources.__wrapped__("ocp") == solver_cache.sources("ocp")
+    maker = "ocp/transcription.py"
+    assert solver_cache.sources.__wrapped__(maker) == solver_cache.sources(maker)
 
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
@@ -93,6 +95,16 @@ def test_the_first_use_does_not_wait_for_a_compiler_and_later_ones_take_its_work
     before = len(built)
     assert compiled(cached_solver(fatrop, cart))
     assert len(built) == before
+    # A library that is not as it was made is made again, whatever a loader would say to it.
+    library = next(directory.glob("*.so"))
+    for damaged in (library.read_bytes()[:-1000], b"x" + library.read_bytes()[1:], b""):
+        library.unlink()
+        library.write_bytes(damaged)
+        again = cached_solver(fatrop, cart)
+        assert not compiled(again)
+        again.settle()
+        assert compiled(again)
+        assert is_whole(library)
     assert not compiled(cached_solver(solvers.by_name("ipopt"), cart))
     monkeypatch.setenv("LLSRBM_COMPILE", "0")
     assert not compiled(cached_solver(fatrop, cart))
