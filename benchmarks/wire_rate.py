@@ -22,6 +22,7 @@ import typer
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
+from llsrbm.processors import usable_processors
 from llsrbm.robots import load_robot
 from llsrbm.wire.dds import DdsLink, DdsRobot
 from llsrbm.wire.real_time import go_first
@@ -121,7 +122,7 @@ def main(
     show("readings", count, readings)
     late = 1e3 * (np.array(sent) - sent[0] - PERIOD * np.arange(count))
     print(f"commands were sent late by {np.median(late):.2f} ms, at worst {late.max():.2f} ms")
-    print(f"load before {load:.1f}, after {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+    print(f"load before {load:.1f}, after {os.getloadavg()[0]:.1f} on {usable_processors()} cores")
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ import io
 import logging
 import os
 import tempfile
+import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -24,6 +25,8 @@ ENVIRONMENT_VARIABLE = "LLSRBM_CACHE"
 
 # Entries of one kind that are kept: a few versions of the project and of a robot file side by side.
 KEPT = 4
+
+_LONGEST_WRITE = 3600.0  # s
 
 _log = logging.getLogger(__name__)
 _DIGEST_SIZE = hashlib.sha256().digest_size
@@ -119,7 +122,13 @@ def write_arrays(path: Path, arrays: Mapping[str, Any]) -> None:
 
 
 def forget_old(path: Path) -> None:
-    """Remove the entries of a new one's kind that were not used for longest, of those one may."""
+    """Remove the entries of a new one's kind that were not used for longest, of those one may; and
+    what a process that was killed had begun to write.
+    """
+    for begun in path.parent.glob("*.tmp"):
+        with suppress(OSError):
+            if time.time() - begun.stat().st_mtime > _LONGEST_WRITE:
+                begun.unlink()
     used: dict[Path, float] = {}
     for entry in path.parent.glob(f"*{path.suffix}"):
         with suppress(FileNotFoundError):  # another process has just removed it

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import itertools
 import logging
-import os
 import threading
 import time
 from collections.abc import Callable, Hashable, Sequence
@@ -29,9 +28,10 @@ from app.workers.seeds import Seeds
 from app.workers.tasks import PlanJump, PlannerFactory, Prepare, SimulateJump, SimulateSeeds, Task
 from app.workers.waiting import MOST_WAITING, Waiting
 from llsrbm.errors import InputError
+from llsrbm.processors import usable_processors
 
 # One process plans while another simulates; more than four would mostly cost memory (0.3 GB each).
-PROCESSES = min(max(os.cpu_count() or 1, 2), 4)
+PROCESSES = min(max(usable_processors(), 2), 4)
 MOST_PROCESSES = 64
 # How long a cancelled job may go on before its process is killed, s: the rest of the 0.2 s that
 # cancelling may take is for that.

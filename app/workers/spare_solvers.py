@@ -1,25 +1,24 @@
 """Builds solvers that will be wanted next, beside all else (`-m app.workers.spare_solvers JUMP`).
 
 Those of nearer jumps, for as soon as a request is not feasible, and those that plan anew in flight.
-They take half a minute each, once on a machine.
+They take half a minute each, once on a machine. The process ends with the one that asked for it.
 """
 
 from __future__ import annotations
 
 import json
-import os
 import subprocess
 import sys
 
+from llsrbm.ocp.compile_job import end_with, yield_to_others
+from llsrbm.ocp.compiled import asker
 from llsrbm.request.jump import Jump
-
-LEAST_PRIORITY = 19
 
 
 def build(jump: Jump) -> None:
     """Begin to build those of a jump's robot, model and type, in a process of its own."""
     command = [sys.executable, "-m", __name__, json.dumps(jump.as_dict())]
-    subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True)
+    subprocess.Popen(command, stdin=asker(), start_new_session=True)
 
 
 def main(text: str) -> None:
@@ -28,7 +27,8 @@ def main(text: str) -> None:
     from llsrbm.request.scenario import Scenario
     from llsrbm.simulation.replanning import Replanning
 
-    os.nice(LEAST_PRIORITY)
+    end_with(sys.stdin.fileno())
+    yield_to_others()
     jump = Jump(**json.loads(text))
     planner = planner_of(jump)
     planner.prepare_nearest(jump)

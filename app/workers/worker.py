@@ -68,7 +68,7 @@ class LibraryPlanner:
         ):
             near = None
         # A slider that moves does not wait for a solver that has to be built first.
-        looks = self._has_nearest(task) or task.patient
+        looks = self._has_nearest(task, cancelled) or task.patient
         how: dict[str, Any] = {
             "weights": task.tuning.weights,
             "limits": task.tuning.limits,
@@ -158,15 +158,16 @@ class LibraryPlanner:
         progress("checking the motion at 1 kHz")
         return certify(task.motion)
 
-    def _has_nearest(self, task: tasks.PlanJump) -> bool:
+    def _has_nearest(self, task: tasks.PlanJump, cancelled: Callable[[], bool]) -> bool:
         """Whether the solver of nearer jumps is at hand; a slider has it built beside all else."""
         from llsrbm.planning.solve.planner import planner_of
 
         jump = task.jump
-        planner = planner_of(jump)
+        planner = planner_of(jump, cancelled=cancelled)
         built = planner.has_nearest_built(jump)
         if built:
-            planner.prepare_nearest(jump)  # a second, which the first slider shall not wait for
+            # A second, which the first slider shall not wait for.
+            planner.prepare_nearest(jump, cancelled=cancelled)
         elif not task.patient and tasks.solver_of(jump) not in self._spare:
             self._spare.add(tasks.solver_of(jump))
             spare_solvers.build(jump)

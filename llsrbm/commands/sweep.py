@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -51,6 +50,7 @@ def sweep_command(
     require("sweeps need Dask", "sweep", "distributed", "pyarrow")
     _check(workers, scheduler, timeout)
     with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.processors import usable_processors
         from llsrbm.sweep.folder import Folder
         from llsrbm.sweep.points import Points
         from llsrbm.sweep.rows import origin
@@ -58,7 +58,7 @@ def sweep_command(
         from llsrbm.sweep.spec import find_spec
 
         points = Points(find_spec(spec))
-        workers = workers or os.cpu_count() or 1
+        workers = workers or usable_processors()
         expected = estimate(points)
         _note(f"{points.spec.title}: {expected.line(None if scheduler else workers)}")
         if expected.rows > LARGE and not yes:

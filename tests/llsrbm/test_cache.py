@@ -60,6 +60,17 @@ def test_a_key_tells_its_parts_apart(tmp_path):
     assert cache.content_key(file) != cache.content_key(b"content")
 
 
+def test_what_a_killed_process_had_begun_to_write_is_removed(own_cache):
+    path = cache.cache_path("kind", b"key", ".bin")
+    path.parent.mkdir(parents=True)
+    old, new = (path.with_name(f"{path.name}{name}.tmp") for name in ("old", "new"))
+    for begun in (old, new):
+        begun.write_bytes(b"half")
+    os.utime(old, (0, 0))
+    cache.write_checked(path, b"all")
+    assert [old.exists(), new.exists()] == [False, True]
+
+
 def test_of_each_kind_the_entries_used_last_are_kept(own_cache):
     keys = [bytes([k]) for k in range(cache.KEPT + 2)]
     for age, key in enumerate(keys):

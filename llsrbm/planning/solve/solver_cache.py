@@ -12,6 +12,7 @@ from weakref import WeakKeyDictionary
 
 import casadi as ca
 
+from llsrbm.abandon import go_on
 from llsrbm.cache import cache_path, cached_bytes, content_key
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp import fatrop_patches
@@ -93,6 +94,7 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
 
     def text() -> bytes:
         solver = kind(transcription())
+        go_on()
         return zlib.compress(solver.serialize().encode("ascii"), level=1)
 
     name, key = _entry(kind, subject)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import subprocess
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -13,6 +12,7 @@ import pytest
 from app.workers import spare_solvers
 from app.workers.tasks import PlanJump
 from app.workers.worker import LibraryPlanner
+from llsrbm.ocp.compiled import asker
 from llsrbm.planning.solve.planner import Planner
 from llsrbm.request.jump import Jump
 from tests.app.synthetic_plan import synthetic_plan
@@ -24,19 +24,18 @@ JUMP = Jump(robot="go2", twist=math.radians(20), forward=0.05)
 def started(monkeypatch):
     """Commands that were started, and how."""
     commands = []
-    made = SimpleNamespace(
-        Popen=lambda command, **how: commands.append((command, how)), DEVNULL=subprocess.DEVNULL
-    )
+    made = SimpleNamespace(Popen=lambda command, **how: commands.append((command, how)))
     monkeypatch.setattr(spare_solvers, "subprocess", made)
     return commands
 
 
 @pytest.fixture
 def patient(monkeypatch):
-    """Priorities that were given up; those of the tests' process stay."""
-    nices = []
-    monkeypatch.setattr(spare_solvers, "os", SimpleNamespace(nice=nices.append))
-    return nices
+    """What the process that builds does first, which the tests' process does not do."""
+    first = []
+    monkeypatch.setattr(spare_solvers, "end_with", first.append)
+    monkeypatch.setattr(spare_solvers, "yield_to_others", lambda: first.append("yields"))
+    return first
 
 
 def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
@@ -49,11 +48,12 @@ def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
     spare_solvers.build(JUMP)
     ((command, how),) = started
     assert command[:3] == [sys.executable, "-m", "app.workers.spare_solvers"]
-    # It outlives the process that started it, and reads nothing of its terminal.
-    assert how == {"stdin": subprocess.DEVNULL, "start_new_session": True}
+    # It ends with the process that started it, and reads nothing of its terminal.
+    assert how == {"stdin": asker(), "start_new_session": True}
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=lambda: 0))
     spare_solvers.main(*command[3:])
     assert built == [JUMP, JUMP]
-    assert patient == [spare_solvers.LEAST_PRIORITY]
+    assert patient == [0, "yields"]
 
 
 def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
