@@ -170,7 +170,7 @@ def attended(
 def interruptible(
     make: Callable[[], Result], cancelled: Callable[[], bool] | None = None
 ) -> Result:
-    """What `make` builds, unless `cancelled()` becomes true meanwhile: `Cancelled` at once then."""
+    """Build something; raises `Cancelled` at once where `cancelled()` becomes true meanwhile."""
     return make() if cancelled is None else attended(make, lambda: None, None, cancelled)
 
 

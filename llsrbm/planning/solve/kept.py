@@ -1,4 +1,4 @@
-"""What holds solvers and is kept for the next request: together within a bound of memory.
+"""Planners and others that hold solvers are kept for the next request, within a bound of memory.
 
 An interpreted solver takes 130 to 320 MB of a process. Planners, replanners' formulations and
 refiners are kept in one list, the last used; what has not been used for longest goes first.

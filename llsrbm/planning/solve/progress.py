@@ -68,7 +68,7 @@ class Watch:
             self._progress(PlanningProgress(text))
 
     def built(self, make: Callable[[], Result]) -> Result:
-        """What `make` builds.
+        """The thing that `make` builds.
 
         Raises:
             Cancelled: on request.
