@@ -103,7 +103,7 @@ def _take_places(folder: Path, target: Path) -> None:
         if part.is_dir() and not _is_ours(place):
             raise FileExistsError(0, _OTHERS)
         for file in [part] if part.is_file() else [p for p in part.rglob("*") if p.is_file()]:
-            with file.open("rb") as opened:
+            with file.open("r+b") as opened:  # Windows flushes what is open for writing
                 os.fsync(opened.fileno())
     aside = Path(tempfile.mkdtemp(dir=folder))
     for part in parts:

@@ -9,7 +9,6 @@ that was cut off goes on with the jumps that have no rows.
 
 from __future__ import annotations
 
-import fcntl
 import json
 import time
 from collections.abc import Iterator, Mapping
@@ -21,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import Error, InputError
+from llsrbm.file_locks import lock
 from llsrbm.sweep.rows import Row, schema, table_of
 
 if TYPE_CHECKING:
@@ -211,12 +211,8 @@ def disk_errors(path: Path) -> Iterator[None]:
 
 
 def _locked(path: Path) -> TextIO:
-    lock = (path / _LOCK).open("w")
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        lock.close()
-        raise InputError(
-            f"{path}: another process works in it; expected another folder for --out"
-        ) from None
-    return lock
+    file = (path / _LOCK).open("w")
+    if not lock(file):
+        file.close()
+        raise InputError(f"{path}: another process works in it; expected another folder for --out")
+    return file

@@ -40,7 +40,8 @@ from llsrbm.wire.motion_switcher import MotionSwitcher, SimulatedSwitcher
 from llsrbm.wire.unitree import UnitreeMessages
 from llsrbm.wire.unitree_layouts import COMMAND_TOPIC, STATE_TOPIC, STRUCTURES
 
-LOOPBACK = "lo"
+# What this system calls it; everywhere `lo` may be asked for.
+LOOPBACK = next((name for _, name in socket.if_nameindex() if name in ("lo", "lo0")), "lo")
 ROBOT_DOMAIN, SIMULATOR_DOMAIN = 0, 1  # of the maker's robots, and of its simulator
 # Samples that a reader keeps until they are taken, a second's: one that keeps the last alone and is
 # late now and then loses 4 %.
@@ -164,6 +165,7 @@ class _Ends:
         written: tuple[str, Layout],
         read: tuple[str, Layout],
     ) -> None:
+        interface = LOOPBACK if interface == "lo" else interface
         domain = default_domain(interface) if domain is None else domain
         self.place = f"interface {interface}, domain {domain}"
         self.on_loopback = interface == LOOPBACK

@@ -21,6 +21,8 @@ _PRIORITY = 10  # of 1 to 99; the system's own real-time threads mostly have 50 
 
 def go_first() -> None:
     """Let this process run before all ordinary ones. Raises `InputError`: the system forbids it."""
+    if not hasattr(os, "sched_setscheduler"):
+        raise InputError("fifo: this system has no real-time priority; expected Linux")
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
     except PermissionError as error:
