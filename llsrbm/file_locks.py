@@ -5,28 +5,17 @@ Linux and macOS have them by `fcntl`, Windows by `msvcrt`, where a shared lock i
 
 from __future__ import annotations
 
-import sys
+import importlib
+from contextlib import suppress
 from typing import IO, Any
 
 from llsrbm.errors import Error
 
-if sys.platform == "win32":
-    import msvcrt
-
-    def _lock(number: int, shared: bool, wait: bool) -> None:
-        msvcrt.locking(number, msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
-else:
-    try:
-        import fcntl
-    except ImportError:
-
-        def _lock(number: int, shared: bool, wait: bool) -> None:
-            raise Error("this system has no locks of files; expected Linux, macOS or Windows")
-    else:
-
-        def _lock(number: int, shared: bool, wait: bool) -> None:
-            kind = fcntl.LOCK_SH if shared else fcntl.LOCK_EX
-            fcntl.flock(number, kind if wait else kind | fcntl.LOCK_NB)
+_system: Any = None  # the module of the system's own locks
+for _name in ("fcntl", "msvcrt"):
+    with suppress(ImportError):
+        _system = importlib.import_module(_name)
+        break
 
 
 def lock(file: IO[Any], *, shared: bool = False, wait: bool = False) -> bool:
@@ -34,8 +23,14 @@ def lock(file: IO[Any], *, shared: bool = False, wait: bool = False) -> bool:
 
     Raises `Error`: the system has no such locks.
     """
+    if _system is None:
+        raise Error("this system has no locks of files; expected Linux, macOS or Windows")
     try:
-        _lock(file.fileno(), shared, wait)
-    except (BlockingIOError, PermissionError):  # PermissionError: Windows
+        if hasattr(_system, "flock"):
+            kind = _system.LOCK_SH if shared else _system.LOCK_EX
+            _system.flock(file, kind if wait else kind | _system.LOCK_NB)
+        else:
+            _system.locking(file.fileno(), _system.LK_LOCK if wait else _system.LK_NBLCK, 1)
+    except (BlockingIOError, PermissionError):  # the latter on Windows
         return False
     return True
