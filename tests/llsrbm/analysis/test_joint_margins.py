@@ -3,21 +3,17 @@
 import numpy as np
 import pytest
 
-import llsrbm
 from llsrbm.analysis.joint_margins import joint_margins, margins
 from llsrbm.body.postures import solve_postures
 from llsrbm.motion.sampling import resample, with_events
 from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.kinematics import foot_positions
 
 
-@pytest.fixture(
-    scope="module",
-    params=[{"twist": 1.57}, {"forward": 0.3}, {"robot": "slider", "twist": 1.57}],
-    ids=str,
-)
+@pytest.fixture(params=["anymal", "go2", "g1_legs"])
 def plan(request):
-    return llsrbm.plan(llsrbm.Jump(**request.param))
+    return planned(request.param)
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ KNOWN = Certificate(FINDINGS)
 
 @pytest.fixture(params=[planned, simulated])
 def carrying(request):
-    return replace(request.param("go2", 0.5), certificate=KNOWN.as_dict())
+    return replace(request.param("go2"), certificate=KNOWN.as_dict())
 
 
 def test_native_files_give_the_same_back(carrying, tmp_path):
@@ -64,7 +64,7 @@ def test_what_is_no_certificate_is_refused(carrying, tmp_path):
 
 
 def test_a_plan_gets_its_own(tmp_path):
-    plan = planned("go2", 0.5)
+    plan = planned("go2")
     path = tmp_path / "plan.npz"
     llsrbm.certified(plan).save(path)
     assert stated(llsrbm.load(path)).as_dict() == llsrbm.certify(plan).as_dict()

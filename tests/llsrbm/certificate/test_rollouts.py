@@ -10,7 +10,7 @@ from tests.llsrbm.formats.jumps import planned, simulated
 
 @pytest.fixture(scope="module", params=["go2", "slider"])
 def rollout(request):
-    return simulated(request.param, 0.5)
+    return simulated(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -32,7 +32,7 @@ def test_the_simulators_motion_obeys_newton_and_keeps_its_feet_down(rollout, cer
 
 
 def test_a_push_is_no_contact():
-    pushed = llsrbm.simulate(planned("go2", 0.5), pushes=[llsrbm.Push(0.1, (3.0, 0.0, 0.0))])
+    pushed = llsrbm.simulate(planned("go2"), pushes=[llsrbm.Push(0.1, (3.0, 0.0, 0.0))])
     found = llsrbm.certify(pushed)["dynamics"]
     assert found.holds is None
     assert "pushes" in found.why

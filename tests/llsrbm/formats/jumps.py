@@ -1,4 +1,4 @@
-"""Jumps of real robots that tests of formats write and read, each made once a run."""
+"""Jumps of real robots: the plans that come with the package, each simulated once a run."""
 
 from dataclasses import replace
 from functools import cache
@@ -7,7 +7,8 @@ import mujoco
 import numpy as np
 
 import llsrbm
-from llsrbm.motion.plan import Plan
+from llsrbm.installed import assets_directory
+from llsrbm.motion.plan import Plan, load_plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.request.schedule import Phase, Schedule
 from llsrbm.robots import load_robot
@@ -15,17 +16,17 @@ from llsrbm.simulation.scene import build_scene
 from llsrbm.simulation.surroundings import Surroundings
 
 ROBOTS = ("anymal", "slider")
-HALF_TURN = 2.9  # rad, nearly
 
 
 @cache
-def planned(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Plan:
-    return llsrbm.plan(llsrbm.Jump(robot=robot, twist=twist, height=height))
+def planned(robot: str) -> Plan:
+    """What the robot's example is: a twist of 90 or 45 degrees, SLIDER's jump onto a box."""
+    return load_plan(assets_directory() / "plans" / f"{robot}.npz")
 
 
 @cache
-def simulated(robot: str, twist: float = HALF_TURN, height: float = 0.0) -> Rollout:
-    return llsrbm.simulate(planned(robot, twist, height))
+def simulated(robot: str) -> Rollout:
+    return llsrbm.simulate(planned(robot))
 
 
 @cache

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
@@ -19,7 +20,7 @@ STEP = 1e-6  # s
 @pytest.fixture(scope="module", params=NAMES)
 def planned(request):
     """Plan, robot, and instants that are no knots."""
-    plan = made(request.param, 0.8, 0.0)
+    plan = made("go2") if request.param == "go2" else llsrbm.plan(llsrbm.Jump("slider", twist=0.8))
     times = np.sort(np.random.default_rng(3).uniform(0, plan.duration, 80))
     return plan, load_robot(request.param), times
 

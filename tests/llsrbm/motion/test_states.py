@@ -7,13 +7,11 @@ import pytest
 from llsrbm.motion.whole_body import motion_of_states, standing, velocities, whole_body_motion
 from tests.llsrbm.formats.jumps import planned, simulated
 
-JUMPS = [("anymal", 2.6, 0.0), ("anymal", 1.5, 0.2), ("slider", 0.0, 0.0), ("go2", 3.1, 0.0)]
-
 
 @pytest.mark.parametrize("made", [planned, simulated])
-@pytest.mark.parametrize(("robot", "twist", "height"), JUMPS)
-def test_feet_stand_when_the_plan_or_the_simulator_says_so(made, robot, twist, height):
-    motion = whole_body_motion(made(robot, twist, height), fps=60)
+@pytest.mark.parametrize("robot", ["anymal", "slider", "go2"])
+def test_feet_stand_when_the_plan_or_the_simulator_says_so(made, robot):
+    motion = whole_body_motion(made(robot), fps=60)
     told = motion_of_states(motion.robot, "x", motion.time, motion.qpos, motion.qvel, 60)
     assert 0.5 < motion.contact.mean() < 0.95
     assert (told.contact == motion.contact).mean() > 0.98

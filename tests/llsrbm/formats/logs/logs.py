@@ -10,6 +10,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import planned
 
 ROBOTS = ("anymal", "slider")
 BOARD = 0.03  # m
@@ -17,17 +18,9 @@ HEAVIER = 0.1  # share of the trunk's mass
 
 
 @cache
-def plan_of(robot):
-    """Nearly half a turn."""
-    plan = llsrbm.plan(llsrbm.Jump(robot=robot, twist=2.9))
-    assert plan.solved
-    return plan
-
-
-@cache
 def rollout():
-    """Half a turn of Go2 onto a board, with a trunk that is heavier than believed."""
-    plan = plan_of("go2")
+    """A twist of Go2 onto a board, with a trunk that is heavier than believed."""
+    plan = planned("go2")
     simulated = llsrbm.simulate(plan, board=BOARD, trunk_mass=HEAVIER)
     return replace(simulated, plan=plan)
 

@@ -16,12 +16,12 @@ from llsrbm.formats import FORMATS, export
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.formats.logs.logs import (
     BOARD,
     ROBOTS,
     body_frames,
     link_poses,
-    plan_of,
     rollout,
     sampled,
 )
@@ -70,7 +70,7 @@ def written(trajectory, folder, **options):
 
 @pytest.fixture(scope="module", params=ROBOTS)
 def plan(request):
-    return plan_of(request.param)
+    return planned(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -169,14 +169,14 @@ def test_joint_states(plan, log):
         np.testing.assert_allclose(got, values[:, order], atol=1e-6)
 
 
-def test_quaternions_go_on_through_half_a_turn(log):
+def test_quaternions_do_not_jump(plan, log):
     for topic in ("/base", "/com"):
         quat = [message.pose.orientation for message in log.messages[topic]]
         quat = np.array([[q.x, q.y, q.z, q.w] for q in quat])
         assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
     yaw = np.unwrap([turn(m.pose.orientation).as_euler("ZYX")[0] for m in log.messages["/base"]])
     assert yaw[0] == pytest.approx(0, abs=1e-6)
-    assert yaw[-1] == pytest.approx(2.9, abs=1e-2)
+    assert yaw[-1] == pytest.approx(plan.jump.twist, abs=1e-2)
 
 
 def test_numbers_to_plot(plan, log):
@@ -309,7 +309,7 @@ def test_the_board_comes_in_mid_flight(simulated):
 
 
 def test_torques_that_are_not_known(tmp_path):
-    unknown = replace(plan_of("go2"), joint_torque=None, joint_torque_limit=None)
+    unknown = replace(planned("go2"), joint_torque=None, joint_torque_limit=None)
     log = written(unknown, tmp_path)
     assert "torque_share" not in log.messages["/state"][0]
     assert not log.messages["/joint_states"][0].joints[0].HasField("effort")
@@ -318,7 +318,7 @@ def test_torques_that_are_not_known(tmp_path):
 def test_rerun_moves_the_frames(tmp_path):
     from rerun.chunk import McapReader
 
-    export(plan_of("slider"), tmp_path / "x.mcap", format="mcap", fps=50)
+    export(planned("slider"), tmp_path / "x.mcap", format="mcap", fps=50)
     children = set()
     for chunk in McapReader(tmp_path / "x.mcap").stream():
         rows = chunk.to_record_batch()
@@ -332,6 +332,6 @@ def test_rerun_moves_the_frames(tmp_path):
 def test_without_its_packages(tmp_path, monkeypatch):
     monkeypatch.setattr("llsrbm.formats.base.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r'pip install "llsrbm\[mcap\]"'):
-        export(plan_of("go2"), tmp_path / "x.mcap", format="mcap")
+        export(planned("go2"), tmp_path / "x.mcap", format="mcap")
     assert FORMATS["mcap"].extra.modules == ("foxglove",)
     assert not list(tmp_path.iterdir())

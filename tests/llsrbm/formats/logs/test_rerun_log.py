@@ -16,7 +16,8 @@ from llsrbm.formats import FORMATS, export
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, plan_of, rollout, sampled
+from tests.llsrbm.formats.jumps import planned
+from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, rollout, sampled
 from tests.llsrbm.synthetic import FLIGHT
 
 FLOAT = 1e-6  # poses are floats: a robot is within some metres of the origin
@@ -73,7 +74,7 @@ def written(trajectory, folder, **options):
 
 @pytest.fixture(scope="module", params=ROBOTS)
 def plan(request):
-    return plan_of(request.param)
+    return planned(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -249,11 +250,11 @@ def test_nothing_keeps_running(tmp_path):
     tasks = Path("/proc/self/task")
     if not tasks.exists():
         pytest.skip("counts threads as Linux shows them")
-    export(plan_of("slider"), tmp_path / "0.rrd", format="rrd")
+    export(planned("slider"), tmp_path / "0.rrd", format="rrd")
     gc.collect()
     before = len(list(tasks.iterdir()))
     for i in range(3):
-        export(plan_of("slider"), tmp_path / f"{i}.rrd", format="rrd")
+        export(planned("slider"), tmp_path / f"{i}.rrd", format="rrd")
     gc.collect()
     deadline = time.monotonic() + 20
     while len(list(tasks.iterdir())) > before and time.monotonic() < deadline:
@@ -264,13 +265,13 @@ def test_nothing_keeps_running(tmp_path):
 def test_switched_off_by_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("RERUN", "off")
     with pytest.raises(InputError, match="environment variable RERUN"):
-        export(plan_of("go2"), tmp_path / "x.rrd", format="rrd")
+        export(planned("go2"), tmp_path / "x.rrd", format="rrd")
     assert not list(tmp_path.iterdir())
 
 
 def test_without_its_package(tmp_path, monkeypatch):
     monkeypatch.setattr("llsrbm.formats.base.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r'pip install "llsrbm\[rerun\]"'):
-        export(plan_of("go2"), tmp_path / "x.rrd", format="rrd")
+        export(planned("go2"), tmp_path / "x.rrd", format="rrd")
     assert FORMATS["rrd"].extra.modules == ("rerun",)
     assert not list(tmp_path.iterdir())

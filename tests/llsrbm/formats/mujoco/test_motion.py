@@ -5,17 +5,16 @@ import zipfile
 import numpy as np
 import pytest
 
-import llsrbm
 from llsrbm.errors import FileFormatError
 from llsrbm.formats import FORMATS, export
 from llsrbm.formats.mujoco.motion import recognises
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import joints_in_model_order
+from tests.llsrbm.formats.jumps import ROBOTS, planned
 
 read = FORMATS["mujoco"].read
 FPS = 100.0
-ROBOTS = ("anymal", "slider")
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
@@ -128,7 +127,7 @@ def motion_qvel(robot, names, motion):
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_there_and_back(name, tmp_path):
-    plan = llsrbm.plan(llsrbm.Jump(robot=name, twist=0.5))
+    plan = planned(name)
     export(plan, tmp_path / "folder", "mujoco")
     export(plan, tmp_path / "one.zip", "mujoco")
     export(plan, tmp_path / "two.zip", ["mujoco", "csv"])

@@ -12,7 +12,7 @@ from llsrbm.errors import FileFormatError
 from llsrbm.formats import export
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.jumps import HALF_TURN, by_name, planned, same_attitude, simulated, ticks
+from tests.llsrbm.formats.jumps import by_name, planned, same_attitude, simulated, ticks
 
 
 @pytest.fixture(scope="module")
@@ -51,12 +51,12 @@ def test_rows_are_the_simulators_states(name, rows):
     np.testing.assert_allclose(here[:, 7:], wanted, atol=1e-6)
 
 
-def test_the_quaternion_ends_with_w_and_goes_through_half_a_turn_without_a_jump(rows):
+def test_the_quaternion_ends_with_w_and_does_not_jump(name, rows):
     quat = rows[:, 3:7]
     np.testing.assert_allclose(quat[0], [0, 0, 0, 1], atol=0.02)
     assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
     yaw = np.unwrap(Rotation.from_quat(quat).as_euler("zyx")[:, 0])
-    assert yaw[-1] == pytest.approx(HALF_TURN, abs=0.1)
+    assert yaw[-1] == pytest.approx(planned(name).jump.twist, abs=0.1)
 
 
 def test_what_stands_beside(name, file):
@@ -70,7 +70,7 @@ def test_what_stands_beside(name, file):
     assert units["x"] == "m"
     for joint in robot.joint_names:  # only SLIDER's
         assert units[joint] == ("m" if joint.endswith("slide") else "rad")
-    assert told["request"]["twist"] == HALF_TURN
+    assert told["request"]["twist"] == planned(name).jump.twist
 
 
 def test_30_frames_a_second_unless_asked_otherwise(copied):

@@ -8,17 +8,16 @@ import numpy as np
 
 from tests.llsrbm.formats.jumps import planned, simulated
 
-TWIST = 1.0  # rad
 KINDS = ("plan", "rollout")
 
 
 def jump(robot: str, kind: str):
-    return planned(robot, TWIST) if kind == "plan" else simulated(robot, TWIST)
+    return planned(robot) if kind == "plan" else simulated(robot)
 
 
 def rate_of(robot: str) -> float:
     """Half the control rate: every second tick of a rollout is a row."""
-    return simulated(robot, TWIST).outcome.control_rate_hz / 2
+    return simulated(robot).outcome.control_rate_hz / 2
 
 
 def beside(path: Path) -> dict:

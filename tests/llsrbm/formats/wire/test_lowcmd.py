@@ -15,7 +15,6 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned, simulated
 from tests.llsrbm.formats.wire.jumps import (
     KINDS,
-    TWIST,
     beside,
     jump,
     rate_of,
@@ -103,7 +102,7 @@ def test_speeds_are_those_of_the_angles(kind, sent):
 
 
 def test_torques_jump_where_the_feet_leave(tmp_path):
-    plan = planned("go2", TWIST)
+    plan = planned("go2")
     export(plan, tmp_path / "x.csv", format="lowcmd", fps=1000)
     time, commands = messages(tmp_path / "x.csv", 20)
     knees = commands["tau"][:, 2:12:3]
@@ -119,7 +118,7 @@ def test_torques_jump_where_the_feet_leave(tmp_path):
 
 
 def test_500_rows_a_second_and_standing_before_and_after(tmp_path):
-    plan = planned("go2", TWIST)
+    plan = planned("go2")
     export(plan, tmp_path / "x.csv", format="lowcmd", pad=0.1)
     time, commands = messages(tmp_path / "x.csv", 20)
     np.testing.assert_allclose(np.diff(time), 0.002, atol=1e-7)
@@ -131,14 +130,14 @@ def test_500_rows_a_second_and_standing_before_and_after(tmp_path):
 
 
 def test_what_stands_beside(tmp_path):
-    export(simulated("go2", TWIST), tmp_path / "x.csv", format="lowcmd")
+    export(simulated("go2"), tmp_path / "x.csv", format="lowcmd")
     told = beside(tmp_path / "x.csv")
     assert told["fps"] == 500
     assert told["family"] == "unitree_go"
     assert told["motors"] == [{"number": n, "joint": joint} for n, joint in enumerate(GO2)]
     assert told["columns"] == list(read_table(tmp_path / "x.csv"))
     assert dict(zip(told["columns"], told["column_units"], strict=True))["kd_11"] == "Nm s/rad"
-    assert told["request"]["twist"] == TWIST
+    assert told["request"]["twist"] == planned("go2").jump.twist
 
 
 def test_g1s_held_joints_stay(tmp_path):
@@ -205,7 +204,7 @@ def test_packed_messages_hold_the_table(tmp_path, robot, form, head, each, motor
 
 
 def test_messages_are_packed_only_if_asked_for(tmp_path):
-    export(planned("go2", TWIST), tmp_path / "x.csv", format="lowcmd")
+    export(planned("go2"), tmp_path / "x.csv", format="lowcmd")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["x.csv", "x.csv.meta.json"]
 
 
@@ -224,6 +223,6 @@ def test_robots_of_others(tmp_path, robot, message):
 
 
 def test_a_plan_without_torques(tmp_path):
-    plan = replace(planned("go2", TWIST), joint_torque=None)
+    plan = replace(planned("go2"), joint_torque=None)
     with pytest.raises(InputError, match="has no torques; expected one that was solved"):
         export(plan, tmp_path / "x.csv", format="lowcmd")

@@ -8,7 +8,6 @@ from llsrbm.formats import export
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.formats.wire.jumps import (
     KINDS,
-    TWIST,
     beside,
     jump,
     rate_of,
@@ -79,11 +78,11 @@ def test_the_configuration_is_the_published_one(path):
 
 
 def test_1000_rows_a_second(tmp_path):
-    export(planned("solo12", TWIST), tmp_path / "x.csv", format="odri-csv")
+    export(planned("solo12"), tmp_path / "x.csv", format="odri-csv")
     np.testing.assert_allclose(np.diff(calls(tmp_path / "x.csv")[0]), 0.001, atol=1e-7)
 
 
 def test_robots_of_others(tmp_path):
     with pytest.raises(InputError, match="messages of family unitree_go; expected odri"):
-        export(planned("go2", TWIST), tmp_path / "x.csv", format="odri-csv")
+        export(planned("go2"), tmp_path / "x.csv", format="odri-csv")
     assert not list(tmp_path.iterdir())

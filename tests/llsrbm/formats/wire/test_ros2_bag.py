@@ -13,7 +13,7 @@ from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import load_plan
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import same_attitude, simulated
-from tests.llsrbm.formats.wire.jumps import KINDS, TWIST, jump, rate_of, torques_of
+from tests.llsrbm.formats.wire.jumps import KINDS, jump, rate_of, torques_of
 
 highlevel = pytest.importorskip("rosbags.highlevel")
 
@@ -165,7 +165,7 @@ def test_the_feet_are_at_the_end_of_the_transforms(kind, topics):
 
 
 def test_odometry_is_the_simulators_state(tmp_path):
-    rollout = simulated("go2", TWIST)
+    rollout = simulated("go2")
     export(rollout, tmp_path / "bag", format="ros2-bag", fps=rate_of("go2"))
     messages = read(tmp_path / "bag")["/odom"]
     for time, message in messages[::20]:
