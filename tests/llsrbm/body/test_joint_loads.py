@@ -8,12 +8,13 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-import llsrbm
 from llsrbm.body.joint_loads import joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import solve_postures
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import planned as shipped
+from tests.llsrbm.planning.solved import solved
 
 ROBOTS = ("anymal", "go2", "slider")
 WEIGHT = np.array([0.0, 0.0, 9.81])
@@ -121,17 +122,10 @@ def test_a_smooth_motion_against_differences_of_postures(robot):
         np.testing.assert_allclose(loads.base_residual[k], expected[:6], atol=0.01 * size)
 
 
-@pytest.fixture(
-    scope="module",
-    params=[
-        {"robot": "anymal", "twist": 1.57},
-        {"robot": "slider", "forward": 0.2, "height": 0.35},
-        {"type": "hops", "hops": 2, "forward": 0.2, "twist": 0.3},
-    ],
-    ids=str,
-)
+@pytest.fixture(scope="module", params=["anymal", "slider", "hops"])
 def planned(request):
-    plan = llsrbm.plan(llsrbm.Jump(**request.param))
+    hops = request.param == "hops"
+    plan = solved("llsrbm-plus", "hops").plan if hops else shipped(request.param)
     robot = load_robot(plan.jump.robot)
     return plan, robot, joint_loads(robot, KnotMotion.of_plan(plan))
 

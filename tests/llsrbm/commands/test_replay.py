@@ -4,13 +4,13 @@ from pathlib import Path
 import pytest
 
 from llsrbm.cli import main
-from tests.llsrbm.formats.pictures.shown import motion_of
+from tests.llsrbm.formats.jumps import planned
 
 
 @pytest.fixture(scope="module")
 def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("replay") / "plan.npz"
-    motion_of("slider").plan.save(path)
+    planned("slider").save(path)
     return path
 
 

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 from llsrbm.control.swing import UnderWay, swing_motion
-from tests.llsrbm.planning.solved import solved
+from tests.llsrbm.formats.jumps import planned
 
 FLIGHT = 1
 
 
 @pytest.fixture(scope="module")
 def plan():
-    return solved("llsrbm-plus", "twist").plan
+    return planned("anymal")
 
 
 def under_way(plan, change):

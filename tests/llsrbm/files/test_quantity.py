@@ -6,21 +6,20 @@ from typing import get_type_hints
 import numpy as np
 import pytest
 
-import llsrbm
 from llsrbm.files.quantity import JOINT, SIZES, TIME, Between, Kind, derived, quantities
 from llsrbm.formats.table import columns
 from llsrbm.motion.plan import OPTIONAL, Plan
 from llsrbm.motion.rollout import Rollout
+from tests.llsrbm.formats.jumps import ROBOTS, planned
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
-ROBOTS = ("anymal", "slider")
 UNITS = ("", "s", "m", "m/s", "rad", "rad/s", "kg", "kg m/s", "kg m2/s", "kg m2", "N", "Nm")
 OTHER_UNITS = ("m, rad", "m/s, rad/s", "m/s and rad/s", "the detector's")  # of no single thing
 
 
 @pytest.fixture(scope="module", params=ROBOTS)
 def plan(request):
-    return llsrbm.plan(llsrbm.Jump(robot=request.param, twist=0.5))
+    return planned(request.param)
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+import pytest
 
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.horizon import constraints_of
@@ -33,6 +34,8 @@ FLIPS: dict[str, dict[str, Any]] = {
     "roll right": {"type": "barrel-roll", "roll": 2 * np.pi},
     "roll left": {"type": "barrel-roll", "roll": -2 * np.pi},
 }
+# Each has a solver of its own; what the mirrored roll could show alone can wait.
+EVERY_FLIP = ("flip", "roll right", pytest.param("roll left", marks=pytest.mark.nightly))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.motion.realised import realised
 from llsrbm.planning.replan.replanner import Replanner
 from llsrbm.planning.replan.under_way import interpolated, planned_state
-from llsrbm.planning.solve.planner import planner_of
+from llsrbm.planning.solve.planner import layout_of
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("g1")
@@ -35,6 +35,7 @@ def test_arms_begin_and_end_as_they_hang_and_stay_within_their_ends():
     assert np.ptp(angles, axis=0).max() > 0.5
 
 
+@pytest.mark.nightly
 def test_held_arms_stay_and_the_inertia_changes_less():
     held = plan(replace(TWIST, arms="held"))
     assert np.abs(held.joint_position[:, ARMS] - ROBOT.arm_angles).max() < 1e-9
@@ -74,9 +75,9 @@ def test_feet_and_com_are_where_planned_however_the_arms_are():
             np.testing.assert_allclose(data.oMf[leg.foot_frame_id].translation, place, atol=1e-5)
 
 
-def test_planners_of_free_and_of_held_arms_differ():
-    assert planner_of(TWIST) is not planner_of(replace(TWIST, arms="held"))
-    assert planner_of(replace(TWIST, model="srbm")).layout.arm_joints == 0
+def test_problems_of_free_and_of_held_arms_differ():
+    for change, joints in (({}, len(ARMS)), ({"arms": "held"}, 0), ({"model": "srbm"}, 0)):
+        assert layout_of(replace(TWIST, **change), ROBOT).arm_joints == joints
 
 
 def test_what_remains_is_planned_anew_from_arms_in_motion():

@@ -12,14 +12,14 @@ from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.simulate import standing_state
 from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import World
-from tests.llsrbm.planning.solved import solved
+from tests.llsrbm.formats.jumps import planned
 
 ROBOT = load_robot("anymal")
 TICK = 1 / 400
 
 
 def episode(*hooks, **scenario):
-    plan, scenario = solved("llsrbm-plus", "twist").plan, Scenario(**scenario)
+    plan, scenario = planned("anymal"), Scenario(**scenario)
     disturbance = Disturbance(base_velocity_noise=0.01)
     world = World(ROBOT, surroundings(ROBOT, plan, scenario), disturbance, TICK)
     world.reset(standing_state(ROBOT, plan), np.zeros(18))

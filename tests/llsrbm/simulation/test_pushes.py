@@ -12,13 +12,13 @@ from llsrbm.robots import load_robot
 from llsrbm.simulation.disturbance import Pushes, drawn_push
 from llsrbm.simulation.episode import Situation
 from llsrbm.simulation.simulate import simulate
-from tests.llsrbm.planning.solved import solved
+from tests.llsrbm.formats.jumps import planned
 
 ROBOT = load_robot("anymal")
 
 
 def plan():
-    return solved("llsrbm-plus", "twist").plan
+    return planned("anymal")
 
 
 class Scales:

@@ -14,7 +14,7 @@ from llsrbm.simulation import replanning
 from llsrbm.simulation.checks import check_scenario
 from llsrbm.simulation.replanning import LATENCY, LATENCY_FEW_LEGS, PERIOD, latency_of
 from llsrbm.simulation.simulate import simulate
-from tests.llsrbm.planning.solved import solved
+from tests.llsrbm.formats.jumps import planned
 
 ROBOT = load_robot("anymal")
 TICK = 1 / ROBOT.file.control.rate
@@ -39,7 +39,7 @@ def takes(monkeypatch):
 
 
 def plan():
-    return solved("llsrbm-plus", "twist").plan
+    return planned("anymal")
 
 
 def middle():

@@ -7,7 +7,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.jump import Jump
@@ -17,6 +16,7 @@ from llsrbm.simulation.scene import build_scene, foot_geoms
 from llsrbm.simulation.simulate import standing_state, starting_velocity
 from llsrbm.simulation.surroundings import Surroundings
 from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
 
@@ -50,14 +50,14 @@ def test_com_attitude_and_feet_are_the_plans(robot):
 
 @pytest.mark.parametrize(("name", "off"), [("go2", 1e-4), ("anymal", 6e-3), ("slider", 1e-4)])
 def test_mujocos_feet_touch_what_a_plan_stands_on(name, off):
-    """In every posture of a jump onto a box: a ball's lowest point at the planned surface.
+    """In every posture of a jump: a ball's lowest point at the planned surface.
 
     ANYmal's balls are beside their frames, so their heights change a little as the legs bend.
     """
     robot = load_robot(name)
-    plan = llsrbm.plan(Jump(robot=name, forward=0.2, height=0.1))
+    plan = planned(name)
     assert plan.foot_position[0, :, 2] == pytest.approx(0.0, abs=1e-9)
-    assert plan.foot_position[-1, :, 2] == pytest.approx(0.1, abs=1e-6)
+    assert plan.foot_position[-1, :, 2] == pytest.approx(plan.jump.height, abs=1e-6)
     scene = build_scene(robot, Surroundings(0.0, ()), Disturbance(), 1e-3)
     data = mujoco.MjData(scene.model)
     joints = plan.joint_position[:, [plan.joint_names.index(n) for n in robot.joint_names]]

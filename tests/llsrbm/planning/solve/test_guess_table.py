@@ -32,7 +32,8 @@ UNSEEN = {
     "slider": [{"forward": 0.15}],
 }
 LARGEST = 2 * 10**6  # bytes
-TABLED = ("anymal", "g1", "g1_legs", "go2", "slider")
+LARGE = [pytest.param(robot, marks=pytest.mark.nightly) for robot in ("g1", "g1_legs")]
+TABLED = ("anymal", *LARGE, "go2", "slider")
 
 
 def planner(robot="anymal"):

@@ -150,6 +150,7 @@ def test_the_same_request_gives_the_same_plan():
     assert again.report.iterations == before.report.iterations
 
 
+@pytest.mark.nightly
 def test_ipopt_agrees():
     jump = Jump(model="srbm", **REQUESTS["twist"])
     other = planner_for("anymal", "srbm", "ipopt").plan(jump)
@@ -204,6 +205,7 @@ def test_a_changed_robot_file_gets_another_planner(tmp_path):
     assert planner_for(str(path), "srbm").robot.file.control.friction == 0.45
 
 
+@pytest.mark.nightly
 def test_mirrored_requests_have_mirrored_plans():
     """But for what the URDF's halves differ by: Go2's products of inertia, 0.1 % of its inertia."""
     right, left = (solved("llsrbm-plus", f"roll {side}", "go2").plan for side in ("right", "left"))
