@@ -169,7 +169,7 @@ def test_a_plan_holds_its_loads(planned):
     np.testing.assert_allclose(plan.joint_torque[:-1], loads.joint_torque, atol=1e-9)
     np.testing.assert_allclose(plan.joint_torque_limit[:-1], loads.torque_available, atol=1e-9)
     np.testing.assert_allclose(plan.joint_velocity, loads.knot_velocity, atol=1e-9)
-    np.testing.assert_array_equal(plan.joint_torque[-1], loads.standing_torque)
+    np.testing.assert_allclose(plan.joint_torque[-1], loads.standing_torque, atol=1e-9)
     np.testing.assert_array_equal(plan.joint_torque_limit[-1], robot.torque_limit)
 
 
