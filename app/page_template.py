@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
@@ -54,10 +55,14 @@ def page_html() -> bytes:
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text("utf-8")
     if _TITLE not in page:
         raise Error(f"the page of viser {viser.__version__} has no place for our scripts")
-    scripts = "".join(
-        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in SCRIPTS
+    return page.replace(_TITLE, HEAD + embedded(SCRIPTS), 1).encode("utf-8")
+
+
+def embedded(scripts: Iterable[str]) -> str:
+    """Our scripts of these names, as elements of a page."""
+    return "".join(
+        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in scripts
     )
-    return page.replace(_TITLE, HEAD + scripts, 1).encode("utf-8")
 
 
 @lru_cache(maxsize=1)

@@ -29,7 +29,7 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from benchmarks.counting import count, write_lines
-from llsrbm.formats.shown import surroundings_of
+from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.mechanics import tilt
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.robots import load_robot

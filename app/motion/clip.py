@@ -48,11 +48,15 @@ class CameraTarget:
     # node is another robot, and is looked at anew
     follow: str
     points: Array  # (P, 3) m, world frame: the robot is between them in all of its motion
+    # azimuth (0 ahead, 90 to the left), elevation (deg) and distance (m) of the camera at first;
+    # None: from where it sees all of them
+    camera: tuple[float, float, float] | None = None
 
     @property
     def plain(self) -> dict[str, Any]:
         """For JSON."""
-        return {"follow": self.follow, "points": self.points.round(4).tolist()}
+        points = self.points.round(4).tolist()
+        return {"follow": self.follow, "points": points, "camera": self.camera}
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.motion.frames import Frames
 from llsrbm.look.collision_visuals import visuals_at_once
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import forward_kinematics
 from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.robots import Robot
@@ -76,7 +76,7 @@ def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
     return float(low[axis]), float(high[axis])
 
 
-def apart(robot: Robot, one: Frames, other: Frames, time: Array) -> Array:
+def apart(robot: Robot, one: ShownMotion, other: ShownMotion, time: Array) -> Array:
     """Distance (F, B) m of every body in two motions at `time` (F,) s, of its farthest corner.
 
     Before and after a motion, its first and its last instant hold.

@@ -11,8 +11,8 @@ import viser
 
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
 from app.picture.picture import Picture
+from llsrbm.look.shown_motion import ShownMotion
 
 
 class Drawing(ABC):
@@ -76,11 +76,11 @@ class Overlay(Drawing):
         _, _, frames = picture.motion
         return self.channels(frames, self.tracks(picture, frames))
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         """How its nodes move, at the instants of `frames`, the robot that is drawn solid."""
         return ()
 
-    def channels(self, frames: Frames, tracks: Sequence[Track]) -> Sequence[AnimationChannel]:
+    def channels(self, frames: ShownMotion, tracks: Sequence[Track]) -> Sequence[AnimationChannel]:
         """Tracks at the instants of frames."""
         return [AnimationChannel(frames.time, tuple(tracks))]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from app.motion.baked import PlannedMotion
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push
@@ -22,7 +22,7 @@ class Ghost:
     """A pinned motion, drawn translucent."""
 
     robot: Robot  # whose
-    frames: Frames  # of its motion
+    frames: ShownMotion  # of its motion
     colour: Rgb  # of the ghost
     place: int = 0  # beside the robot that is shown: 1 to its left, 2 its right, 3 left of 1 ...
 
@@ -41,7 +41,7 @@ class Picture:
     planned: PlannedMotion | None = None  # its plan; None: it stands in its default posture
     # frames of the robot that follows the plan, as far as they are computed; it is drawn solid
     # then, and the plan as a ghost
-    simulated: Frames | None = None
+    simulated: ShownMotion | None = None
     rollout: Rollout | None = None  # the simulation, once it is complete
     pushes: tuple[Push, ...] = ()  # of the simulation, as far as it is computed
     blocks: tuple[Block, ...] = ()  # what stands around: of a plan alone, drawn as what it aims at
@@ -54,14 +54,14 @@ class Picture:
     prepared: bool = True
 
     @property
-    def solid(self) -> Frames | None:
+    def solid(self) -> ShownMotion | None:
         """The motion of the robot that is drawn solid; None: it stands in its default posture."""
         if self.planned is None:
             return None
         return self.simulated or self.planned.frames
 
     @property
-    def motion(self) -> tuple[Robot, PlannedMotion, Frames]:
+    def motion(self) -> tuple[Robot, PlannedMotion, ShownMotion]:
         """The robot, its plan, and the motion that is drawn solid: where there is one."""
         frames = self.solid
         assert self.robot is not None

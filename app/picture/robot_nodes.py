@@ -15,7 +15,6 @@ import viser
 
 from app.motion.clip import AnimationChannel, CameraTarget, Track
 from app.motion.colours import Rgb, linear
-from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.blocks import tops_under
 from app.picture.bounds import around, around_default, default_pose, outermost
@@ -23,6 +22,7 @@ from app.picture.drawing import Drawing
 from app.picture.parts import Part, parts_of
 from app.picture.picture import Picture
 from llsrbm.look.collision_visuals import collision_visuals
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import LinkVisual, link_visuals, needs_preparation
 from llsrbm.robots import Robot
 
@@ -128,7 +128,7 @@ class RobotNodes:
         for handle in before.values():
             handle.remove()
 
-    def track(self, frames: Frames) -> list[Track]:
+    def track(self, frames: ShownMotion) -> list[Track]:
         """Every body's way through a motion of this robot."""
         return [
             Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body])

@@ -24,7 +24,7 @@ class Scene:
     # Browser tests find controls by label. viser's scene tree has labels, too, made from the names
     # of nodes, so these avoid the words of the panel (a node "robot" would be found as "Robot").
 
-    def __init__(self, client: viser.ClientHandle) -> None:
+    def __init__(self, client: viser.ClientHandle | viser.ViserServer) -> None:
         self._client = client
         self._drawn = Picture()
         scene = client.scene

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.body.momentum import centroidal_states
 from llsrbm.mechanics import Array, rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -116,9 +116,5 @@ def whole_body_inertia(motion: WholeBodyMotion) -> tuple[Array, Array, Array]:
     kept = np.arange(0, len(motion.time), _WHOLE_BODY_EVERY)
     quat = motion.base_quat[kept]
     q = np.hstack([motion.base_position[kept], quat[:, [1, 2, 3, 0]], motion.joint_position[kept]])
-    data, still = robot.model.createData(), np.zeros(robot.model.nv)
-    inertia = np.empty((len(kept), 3, 3))
-    for k, posture in enumerate(q):
-        pin.ccrba(robot.model, data, posture, still)
-        inertia[k] = data.Ig.inertia
-    return motion.time[kept], inertia, quat
+    still = np.zeros((len(kept), robot.model.nv))
+    return motion.time[kept], centroidal_states(robot.model, q, still)[1], quat

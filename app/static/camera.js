@@ -100,6 +100,15 @@
     return { place, target: plus(place, ahead, middle - depth) };
   }
 
+  // Where somebody asked for: azimuth, elevation (deg) and distance from the points' middle.
+  function placed({ points, camera: [azimuth, elevation, distance] }) {
+    const middle = [0, 1, 2].map((axis) => points.map((point) => point[axis]))
+      .map((values) => (Math.min(...values) + Math.max(...values)) / 2);
+    const [a, e] = [azimuth, elevation].map((angle) => (angle * Math.PI) / 180);
+    const away = [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+    return { place: plus(middle, away, distance), target: middle };
+  }
+
   // Whether all of the points are in the free part of the picture.
   function inSight({ points }) {
     const { camera, cameraControl } = viewer();
@@ -120,7 +129,8 @@
 
   function look(name, smoothly = true) {
     if (!cameraTarget || missing().length) return;
-    const { place, target } = fit(cameraTarget, VIEWS[name]);
+    const { place, target } = name === "all" && cameraTarget.camera
+      ? placed(cameraTarget) : fit(cameraTarget, VIEWS[name]);
     const [from, at] = [rooted(place), rooted(target)];
     const control = viewer().cameraControl;
     // viser: `setLookAt` without a transition seems to break later ones.

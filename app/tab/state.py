@@ -15,7 +15,6 @@ from typing import Any, Literal
 from app.motion import colours
 from app.motion.baked import ForeignMotion, PlannedMotion, SimulatedMotion
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
 from app.panel.atlas_controls import AtlasChoice
 from app.panel.file_controls import FileChoice
 from app.panel.status import SeedResult, Status, Verdict
@@ -27,6 +26,7 @@ from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.atlas.feasible import Feasible
 from llsrbm.certificate import Certificate
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -47,7 +47,7 @@ class Shown:
     planned: PlannedMotion  # the plan, ready to be drawn
     simulated: SimulatedMotion | None = None  # the simulation that followed it
     scenario: Scenario | None = None  # for which it was asked
-    so_far: Frames | None = None  # frames of the simulation that is running
+    so_far: ShownMotion | None = None  # frames of the simulation that is running
     blocks: tuple[Block, ...] = ()  # what stands around
     source: str = ""  # where it is from, in words, if not from this tab's own planning
     # the request to which it is the nearest that can be planned; None: it does what was asked for
@@ -80,8 +80,8 @@ class Shown:
         return None if self.simulated is None else self.simulated.rollout
 
     @property
-    def solid(self) -> Frames | None:
-        """Frames of the robot that follows the plan; None: the plan alone is shown."""
+    def solid(self) -> ShownMotion | None:
+        """The motion of the robot that follows the plan; None: the plan alone is shown."""
         return self.so_far if self.simulated is None else self.simulated.frames
 
 

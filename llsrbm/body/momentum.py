@@ -47,12 +47,12 @@ def momentum_maps(robot: Robot, joint_position: Array) -> Array:
     return maps
 
 
-def centroidal_states(robot: Robot, q: Array, v: Array) -> tuple[Array, Array, Array]:
+def centroidal_states(model: pin.Model, q: Array, v: Array) -> tuple[Array, Array, Array]:
     """CoM (K, 3) m, inertia about it (K, 3, 3) kg m2 and momentum (K, 6), linear first.
 
     World frame, of states (K, nq), (K, nv) in Pinocchio's convention.
     """
-    model, data = robot.model, robot.model.createData()
+    data = model.createData()
     com, inertia, momentum = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6))
     for k in range(len(q)):
         pin.ccrba(model, data, q[k], v[k])
@@ -75,6 +75,6 @@ def base_velocities(
     """
     still = np.zeros_like(omega)
     q = np.hstack([base_position, base_quat[:, [1, 2, 3, 0]], joint_position])
-    momentum = centroidal_states(robot, q, np.hstack([still, omega, joint_velocity]))[2]
+    momentum = centroidal_states(robot.model, q, np.hstack([still, omega, joint_velocity]))[2]
     velocity: Array = com_velocity - momentum[:, :3] / robot.mass
     return velocity

@@ -94,7 +94,7 @@ def _read_plan(file: Path) -> Plan:
 
 def _description(rollout: Rollout) -> dict[str, str]:
     from llsrbm.analysis.wording import outcome_words, rollout_rows
-    from llsrbm.formats.shown import surroundings_of
+    from llsrbm.look.shown_motion import surroundings_of
     from llsrbm.robots import load_robot
 
     boxes = surroundings_of(rollout, load_robot(rollout.jump.robot)).in_mid_flight

@@ -9,6 +9,7 @@ import tempfile
 import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,6 @@ from llsrbm.formats.logs import MCAP, RRD
 from llsrbm.formats.motion_npz import MOTION_NPZ
 from llsrbm.formats.mujoco.folder import MUJOCO
 from llsrbm.formats.native import DESIGN, NPZ
-from llsrbm.formats.pictures.html_replay import HTML
 from llsrbm.formats.pictures.video import GIF, MP4
 from llsrbm.formats.table import CSV
 from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
@@ -35,13 +35,21 @@ from llsrbm.robots import Robot, load_robot
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find", "is_native"]
 __all__ += ["availability", "load_any", "load_motion", "readable", "stem"]
 
+_GROUP = "llsrbm.formats"  # entry points
+
+
+def _registered() -> list[Format]:
+    """Formats of other packages, and of the application, which the library never imports."""
+    return [point.load() for point in sorted(entry_points(group=_GROUP))]
+
+
 # In the order in which they are listed and offered.
 FORMATS: dict[str, Format] = {
     format_.name: format_
     for format_ in (
         *(NPZ, CSV, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
         *(LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
-        *(MUJOCO, MCAP, RRD, HTML, MP4, GIF, DESIGN),
+        *(MUJOCO, MCAP, RRD, *_registered(), MP4, GIF, DESIGN),
     )
 }
 

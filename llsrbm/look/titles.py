@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from llsrbm.motion.plan import Plan
+from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
@@ -24,6 +27,17 @@ _IN_WORDS = (  # fields of a scenario whose names and values alone would say too
 def title_of(jump: Jump, tuning: Tuning | None = None, scenario: Scenario | None = None) -> str:
     """A design's name by what was decided about it: "90° llsrbm-plus, friction 0.4"."""
     return _joined(_parts(jump, tuning or Tuning(), scenario))
+
+
+def title(trajectory: Trajectory) -> str:
+    """Robot, jump and model of a motion, whatever robot it is: "go2: 90° llsrbm-plus"."""
+    jump = trajectory.jump
+    plain = replace(jump, robot=Jump().robot)
+    if isinstance(trajectory, Plan):
+        task = title_of(plain, trajectory.tuning)
+    else:
+        task = title_of(plain, trajectory.plan.tuning, trajectory.scenario)
+    return f"{Path(jump.robot).stem}: {task}"
 
 
 def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:

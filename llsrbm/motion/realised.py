@@ -134,7 +134,7 @@ class _ByStates(_Body):
         velocity = apply(np.swapaxes(R, -1, -2), slopes[:, :3])
         q = np.hstack([places[:, :3], quat[:, [1, 2, 3, 0]], places[:, 3:]])
         v = np.hstack([velocity, rate, slopes[:, 3:]])
-        com, inertia, momentum = centroidal_states(self._robot, q, v)
+        com, inertia, momentum = centroidal_states(self._robot.model, q, v)
         return {
             "com": com,
             "com_velocity": momentum[:, :3] / self._robot.mass,

@@ -13,10 +13,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.body.momentum import base_velocities
+from llsrbm.body.momentum import base_velocities, centroidal_states
 from llsrbm.errors import InputError
 from llsrbm.files.quantity import TIME, quantities
-from llsrbm.mechanics import rotation_matrices, sign_continuous
+from llsrbm.mechanics import apply, cross, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised
 from llsrbm.motion.rollout import Rollout
@@ -263,18 +263,9 @@ def motion_of_states(
         qpos, qvel: (K, 7 + J), (K, 6 + J) in MuJoCo's convention, joints in the robot's order.
     """
     qpos = np.hstack([qpos[:, :3], sign_continuous(qpos[:, 3:7]), qpos[:, 7:]])
-    model, data = robot.model, robot.model.createData()
-    com, linear, angular = np.empty((3, len(time), 3))
-    inertia = np.empty((len(time), 3, 3))
-    feet = np.empty((len(time), len(robot.legs), 3))
-    speed = np.empty(feet.shape[:2])
-    for k, (q, v) in enumerate(zip(*pinocchio_states(qpos, qvel), strict=True)):
-        pin.ccrba(model, data, q, v)
-        com[k], inertia[k] = data.com[0], data.Ig.inertia
-        linear[k], angular[k] = data.hg.linear, data.hg.angular
-        pin.forwardKinematics(model, data, q, v)
-        pin.updateFramePlacements(model, data)
-        feet[k], speed[k] = _feet(robot, data)
+    q, v = pinocchio_states(qpos, qvel)
+    com, inertia, momentum = centroidal_states(robot.model, q, v)
+    feet, speed = _feet(robot, q, v)
     return WholeBodyMotion(
         robot=robot,
         origin=origin,
@@ -287,28 +278,32 @@ def motion_of_states(
         joint_position=qpos[:, 7:],
         joint_velocity=qvel[:, 6:],
         com=com,
-        linear_momentum=linear,
-        angular_momentum=angular,
+        linear_momentum=momentum[:, :3],
+        angular_momentum=momentum[:, 3:],
         inertia=inertia,
         foot_position=feet,
         contact=standing(time, speed, feet[..., 2]),
     )
 
 
-def _feet(robot: Robot, data: pin.Data) -> tuple[Array, Array]:
-    points, speeds = np.empty((len(robot.legs), 3)), np.empty(len(robot.legs))
-    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
-        placement = data.oMf[leg.foot_frame_id]
-        spheres = np.array([placement.act(centre) for centre in contact.centres])
-        points[i] = spheres.mean(axis=0) - [0.0, 0.0, contact.radius]
-        velocity = pin.getFrameVelocity(
-            robot.model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )
-        # A ball rolls about its lowest point; a plan's foot turns about its frame.
-        arm = points[i] - placement.translation
-        rolling = velocity.linear + np.cross(velocity.angular, arm)
-        speeds[i] = min(np.linalg.norm(velocity.linear), np.linalg.norm(rolling))
-    return points, speeds
+def _feet(robot: Robot, q: Array, v: Array) -> tuple[Array, Array]:
+    """Contact points (K, L, 3) m and their speeds (K, L) m/s, of states as Pinocchio has them."""
+    model, data, contacts = robot.model, robot.model.createData(), foot_contacts(robot)
+    place, linear, angular = np.empty((3, len(q), len(contacts), 3))
+    R = np.empty((len(q), len(contacts), 3, 3))
+    for k in range(len(q)):
+        pin.forwardKinematics(model, data, q[k], v[k])
+        for i, leg in enumerate(robot.legs):
+            frame = leg.foot_frame_id
+            placement = pin.updateFramePlacement(model, data, frame)
+            moves = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            place[k, i], R[k, i] = placement.translation, placement.rotation
+            linear[k, i], angular[k, i] = moves.linear, moves.angular
+    points = place + apply(R, np.array([contact.centres.mean(axis=0) for contact in contacts]))
+    points[..., 2] -= [contact.radius for contact in contacts]
+    # A ball rolls about its lowest point; a plan's foot turns about its frame.
+    rolling = linear + cross(angular, points - place)
+    return points, np.minimum(np.linalg.norm(linear, axis=2), np.linalg.norm(rolling, axis=2))
 
 
 def velocities(time: Array, qpos: Array) -> Array:

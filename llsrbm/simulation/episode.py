@@ -13,6 +13,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.body.momentum import centroidal_states
 from llsrbm.control.controller import Tick, WholeBodyController
 from llsrbm.control.delay import Measurement
 from llsrbm.errors import Cancelled
@@ -106,30 +107,24 @@ class Recorder:
         model, robot = self._model, self._robot
         data = model.createData()
         contacts = foot_contacts(robot)
-        middles = [contact.centres.mean(axis=0) for contact in contacts]
-        frames = [leg.foot_frame_id for leg in robot.legs]
         q = np.array(self.q)
-        count, legs = len(q), len(contacts)
-        columns = {
-            "com": np.empty((count, 3)),
+        com, inertia, momentum = centroidal_states(model, q, np.array(self.v))
+        foot = np.empty((len(q), len(contacts), 3))
+        for k, position in enumerate(self.q):
+            pin.forwardKinematics(model, data, position)
+            for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
+                frame = pin.updateFramePlacement(model, data, leg.foot_frame_id)
+                foot[k, i] = frame.act(contact.centres.mean(axis=0))
+        foot[..., 2] -= [contact.radius for contact in contacts]
+        return {
+            "com": com,
             "base_position": q[:, :3].copy(),
             "base_quat": q[:, [6, 3, 4, 5]],
-            "linear_momentum": np.empty((count, 3)),
-            "angular_momentum": np.empty((count, 3)),
-            "inertia": np.empty((count, 3, 3)),
-            "foot_position": np.empty((count, legs, 3)),
+            "linear_momentum": momentum[:, :3],
+            "angular_momentum": momentum[:, 3:],
+            "inertia": inertia,
+            "foot_position": foot,
         }
-        com, inertia, foot = columns["com"], columns["inertia"], columns["foot_position"]
-        linear, angular = columns["linear_momentum"], columns["angular_momentum"]
-        for k, (position, velocity) in enumerate(zip(self.q, self.v, strict=True)):
-            pin.ccrba(model, data, position, velocity)
-            com[k], inertia[k] = data.com[0], data.Ig.inertia
-            linear[k], angular[k] = data.hg.linear, data.hg.angular
-            pin.forwardKinematics(model, data, position)
-            for i, (frame, middle) in enumerate(zip(frames, middles, strict=True)):
-                foot[k, i] = pin.updateFramePlacement(model, data, frame).act(middle)
-        foot[..., 2] -= [contact.radius for contact in contacts]
-        return columns
 
 
 LEAST_TICKS = 2  # of a rollout: where it diverges before, its last known state is repeated

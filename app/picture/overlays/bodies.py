@@ -11,10 +11,10 @@ import numpy as np
 
 from app.motion import colours
 from app.motion.clip import Track
-from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.shapes import Shape, link_shapes
@@ -36,7 +36,7 @@ class LinkFrames(Overlay):
     tints = gltf.AXES
     root = "/axes"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         size = np.full((len(frames.time), 3), _LENGTH)
         return [
             Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body], size)
@@ -61,7 +61,7 @@ class CollisionShapes(Overlay):
     tints = (colours.COLLISION,)
     root = "/hulls"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         robot, _, _ = picture.motion
         bodies, meshes = zip(*_meshes(robot), strict=True)
         return [

@@ -21,6 +21,7 @@ class CentreOfMass(Overlay):
     """A ball."""
 
     name = "com"
+    root = "/com"
     group = Group.INERTIA
     title = "Centre of mass"
     hint = "Of the whole robot, as the model or the simulation has it."
@@ -56,6 +57,7 @@ class Trails(Overlay):
     """Lines that do not move; those of a plan that breaks constraints have a warning colour."""
 
     name = "trails"
+    root = "/path"
     group = Group.INERTIA
     title = "Trails"
     hint = "The paths of the centre of mass and, in flight, of the feet."

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
-from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.mechanics import INSCRIBED, Array
 
 ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
@@ -32,7 +32,7 @@ class Forces(Overlay):
     at_first = True
     root = "/arrows"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         length = np.linalg.norm(frames.foot_force, axis=2)
         pushing = length > _PUSHING
         along = np.where(pushing[..., None], frames.foot_force, [0.0, 0.0, 1.0])
@@ -66,7 +66,7 @@ class FrictionPyramids(Overlay):
     tints = (colours.FRICTION,)
     root = "/pyramids"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         _, planned, _ = picture.motion
         half = _HEIGHT * INSCRIBED * planned.plan.friction
         size = np.array([half, half, _HEIGHT])
@@ -94,7 +94,7 @@ class CentreOfPressure(Overlay):
     tints = (colours.FORCE,)
     root = "/zmp"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         place, there = centre_of_pressure(frames)
         return [
             Track(
@@ -106,7 +106,7 @@ class CentreOfPressure(Overlay):
         ]
 
 
-def centre_of_pressure(frames: Frames) -> tuple[Array, NDArray[np.bool_]]:
+def centre_of_pressure(frames: ShownMotion) -> tuple[Array, NDArray[np.bool_]]:
     """(F, 3) m, and (F,) whether there is one: in flight it is below the CoM, and none."""
     load = np.maximum(frames.foot_force[..., 2], 0.0)
     total = load.sum(axis=1)
@@ -134,7 +134,7 @@ class AngularMomentum(Overlay):
     tints = (colours.COM,)
     root = "/momentum"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         amount = np.linalg.norm(frames.angular_momentum, axis=1)
         turning = amount > _TURNING
         along = np.where(turning[:, None], frames.angular_momentum, [0.0, 0.0, 1.0])

@@ -17,11 +17,11 @@ from scipy.ndimage import maximum_filter1d
 from app.motion import colours
 from app.motion.clip import AnimationChannel
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
 from app.picture.bounds import apart
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from app.picture.robot_nodes import RobotNodes, RobotShelf
+from llsrbm.look.shown_motion import ShownMotion
 
 _DIFFERS = 0.02  # m between a body and the same body of the solid robot
 _AROUND = 9  # frames; a body that differs is also drawn for a moment before and after
@@ -31,6 +31,7 @@ class Ghosts(Overlay):
     """Each with a time of its own."""
 
     name = "ghost"
+    root = "/shade"
     group = Group.INERTIA
     title = "Ghost"
     hint = "The plan beside its simulation, and what is pinned, where they are 2 cm apart or more."
@@ -74,7 +75,7 @@ class Ghosts(Overlay):
         self._pins.show_only(self._pinned if visible else ())
 
 
-def _beside(picture: Picture, nodes: RobotNodes, frames: Frames) -> AnimationChannel:
+def _beside(picture: Picture, nodes: RobotNodes, frames: ShownMotion) -> AnimationChannel:
     """A ghost's motion; bodies have no size where the solid robot's are in the same place."""
     solid, tracks = picture.solid, nodes.track(frames)
     if solid is None or nodes.robot is not picture.robot:

@@ -38,6 +38,7 @@ class InertiaEllipsoids(Overlay):
     """
 
     name = "ellipsoids"
+    root = "/ellipsoid"
     group = Group.INERTIA
     title = "Inertia ellipsoids"
     hint = (

@@ -32,6 +32,7 @@ class LandingMarks(Overlay):
     """
 
     name = "landing"
+    root = "/target"
     group = Group.FOOTHOLDS
     title = "Landing handle"
     hint = "Where the feet shall land; drag the arrows, or the ring, to move the landing."

@@ -12,11 +12,11 @@ from scipy.spatial import ConvexHull, QhullError
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
-from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.analysis.landing_region import SIDES, expected_touchdown, landing_regions
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
 
@@ -39,7 +39,7 @@ class SupportPolygon(Overlay):
     tints = (colours.SUPPORT,)
     root = "/hull"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         count, legs, corners, _ = frames.contact_point.shape
         points = frames.contact_point.reshape(count, -1, 3) + np.array([0.0, 0.0, _ABOVE])
         standing = np.repeat(frames.contact, corners, axis=1)

@@ -8,14 +8,14 @@ import numpy as np
 import viser
 
 from app.motion import colours
-from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
+from app.motion.baked import ARROW_PER_SPEED, FRAME_RATE, metres_per_newton_second, trunk_com
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
-from app.motion.frames import FRAME_RATE, Frames
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from app.picture.push_handle import newton_seconds
+from llsrbm.look.shown_motion import ShownMotion
 
 _SEEN = 0.1  # s for which a push is seen; it is over after a fifth of that
 _WIDE = 1.6  # times as thick as the arrow of a force
@@ -49,7 +49,7 @@ class Pushes(Overlay):
         channels = super().draw(picture)
         return channels if picture.pushes else ()
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         pushes, (robot, _, _) = picture.pushes, picture.motion
         arrows = self.nodes(gltf.arrow(colours.FORCE), len(pushes), "arrow")
         while len(self._words) < len(pushes):

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
-from app.motion.frames import Frames
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
+from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.robots import Robot
@@ -36,7 +36,7 @@ class FeetReach(Overlay):
     tints = (colours.REACH,)
     root = "/regions"
 
-    def tracks(self, picture: Picture, frames: Frames) -> Sequence[Track]:
+    def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         robot, planned, _ = picture.motion
         task = place_task(planned.plan.jump, robot, planned.plan.tuning)
         distance, lower, upper = task.reach.distance, task.reach.lower, task.reach.upper

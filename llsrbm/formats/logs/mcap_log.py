@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from llsrbm.formats.logs.series import (
     GHOST,
     GROUND_SIZE,
-    Logged,
     Series,
     logged,
     logged_plan,
     reference_series,
+    series_of,
 )
-from llsrbm.formats.shown import surroundings_of
 from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
+from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.bodies import link_paths, urdf_joints
 from llsrbm.motion.rollout import Rollout
@@ -70,7 +70,7 @@ def flat(data: dict[str, Any]) -> dict[str, str]:
     return {key: v if isinstance(v, str) else json.dumps(v) for key, v in data.items()}
 
 
-def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> Iterator[Entry]:
+def _robot(context: Context, motion: ShownMotion, name: str, ghost: Rgb | None) -> Iterator[Entry]:
     """All topics of one robot, under `name`; drawn translucent in the colour `ghost`."""
     top = f"/{name}" if name else ""
     frames = f"{name}/" if name else ""
@@ -80,11 +80,11 @@ def _robot(context: Context, motion: Logged, name: str, ghost: Rgb | None) -> It
     yield from _poses(context, motion, top)
     yield from _inertia(context, motion, top)
     yield from _forces(context, motion, top)
-    yield from numbers(context, f"{top}/state", motion.time, motion.series)
+    yield from numbers(context, f"{top}/state", motion.time, list(series_of(motion)))
 
 
-def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iterator[Entry]:
-    paths = list(link_paths(motion.robot, motion.bodies.position, motion.bodies.quat))
+def _transforms(context: Context, motion: ShownMotion, top: str, frames: str) -> Iterator[Entry]:
+    paths = list(link_paths(motion.robot, motion.body_position, motion.body_wxyz))
 
     def message(k: int, time: int, *, moving: bool) -> fm.FrameTransforms:
         return fm.FrameTransforms(
@@ -109,7 +109,7 @@ def _transforms(context: Context, motion: Logged, top: str, frames: str) -> Iter
 
 
 def _meshes(
-    context: Context, motion: Logged, top: str, frames: str, ghost: Rgb | None
+    context: Context, motion: ShownMotion, top: str, frames: str, ghost: Rgb | None
 ) -> Iterator[Entry]:
     channel = channels.SceneUpdateChannel(f"{top}/robot", context=context)
     entities = [
@@ -133,7 +133,7 @@ def _meshes(
     yield 0, channel, fm.SceneUpdate(entities=entities)
 
 
-def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
+def _joint_states(context: Context, motion: ShownMotion, top: str) -> Iterator[Entry]:
     channel = channels.JointStatesChannel(f"{top}/joint_states", context=context)
     # Held joints too, or a viewer would draw those of its own URDF at zero.
     order, whole = urdf_joints(motion.robot), motion.motion
@@ -148,9 +148,9 @@ def _joint_states(context: Context, motion: Logged, top: str) -> Iterator[Entry]
         yield time, channel, fm.JointStates(timestamp=timestamp(time), joints=joints)
 
 
-def _poses(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
+def _poses(context: Context, motion: ShownMotion, top: str) -> Iterator[Entry]:
     whole = motion.motion
-    base, com = (whole.base_position, whole.base_quat), (whole.com, motion.ellipsoid[1])
+    base, com = (whole.base_position, whole.base_quat), (whole.com, motion.inertia_wxyz)
     for name, (position, quat) in {"base": base, "com": com}.items():
         channel = channels.PoseInFrameChannel(f"{top}/{name}", context=context)
         for k, time in enumerate(nanoseconds(motion.time)):
@@ -159,18 +159,17 @@ def _poses(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
             yield time, channel, message
 
 
-def _inertia(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
+def _inertia(context: Context, motion: ShownMotion, top: str) -> Iterator[Entry]:
     channel = channels.SceneUpdateChannel(f"{top}/inertia", context=context)
-    axes, quat = motion.ellipsoid
-    com, look = motion.motion.com, colour(COM, GHOST)
+    axes, quat = motion.inertia_axes, motion.inertia_wxyz
+    com, look = motion.com, colour(COM, GHOST)
     for k, time in enumerate(nanoseconds(motion.time)):
         solid = fm.SpherePrimitive(pose=pose(com[k], quat[k]), size=vector(2 * axes[k]), color=look)
         yield time, channel, fm.SceneUpdate(entities=[_entity(time, "inertia", spheres=[solid])])
 
 
-def _forces(context: Context, motion: Logged, top: str) -> Iterator[Entry]:
-    pressed_at = motion.motion.pressed_at
-    assert pressed_at is not None  # plans and rollouts have it
+def _forces(context: Context, motion: ShownMotion, top: str) -> Iterator[Entry]:
+    pressed_at = motion.pressed_at
     channel = channels.SceneUpdateChannel(f"{top}/contact_forces", context=context)
     arrows, look = motion.arrows, colour(FORCE)
     length, quat = np.linalg.norm(arrows, axis=2), turned_x_to(arrows)

@@ -20,14 +20,14 @@ from llsrbm.errors import InputError
 from llsrbm.formats.logs.series import (
     GHOST,
     GROUND_SIZE,
-    Logged,
     Series,
     logged,
     logged_plan,
     reference_series,
+    series_of,
 )
-from llsrbm.formats.shown import surroundings_of
 from llsrbm.look.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
+from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
@@ -69,7 +69,8 @@ def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any])
         raise InputError("rerun is switched off by the environment variable RERUN; expected on")
     try:
         recording.save(path)
-        shown = frozenset(each.name.split("/")[0] for each in motion.series)
+        series = list(series_of(motion))
+        shown = frozenset(each.name.split("/")[0] for each in series)
         layout = _layout(shown, float(motion.robot.base_position[2]))
         recording.log_file_from_contents("layout.rbl", layout, static=True)
         recording.send_recording_name(f"{about['robot'].get('name', '')} {about['kind']}")
@@ -78,10 +79,10 @@ def write(trajectory: Trajectory, path: Path, fps: float, about: dict[str, Any])
         _log_surroundings(recording, surroundings_of(trajectory, motion.robot))
         _log_robot(recording, "world/robot", motion, None)
         _log_with_robot(recording, motion)
-        _log_series(recording, _OWN, motion.time, motion.series)
+        _log_series(recording, _OWN, motion.time, series)
         if plan is not None:
             _log_robot(recording, "world/plan", plan, PLANNED)
-            _log_series(recording, _PLANNED, plan.time, plan.series)
+            _log_series(recording, _PLANNED, plan.time, series_of(plan))
         if isinstance(trajectory, Rollout):
             tracked = reference_series(trajectory, motion)
             _log_series(recording, _TRACKED, motion.time, tracked)
@@ -140,7 +141,7 @@ def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> No
 
 
 def _log_robot(
-    recording: rr.RecordingStream, entity: str, motion: Logged, ghost: Rgb | None
+    recording: rr.RecordingStream, entity: str, motion: ShownMotion, ghost: Rgb | None
 ) -> None:
     """Meshes where the bodies are; translucent in the colour `ghost`, with fewer faces then."""
     for visual in link_visuals(motion.robot, coarse=ghost is not None):
@@ -155,32 +156,31 @@ def _log_robot(
             **look,
         )
         recording.log(f"{entity}/{visual.link}", mesh, static=True, strict=True)
-        poses = motion.bodies.poses([visual])[:, 0]
+        poses = motion.poses([visual])[:, 0]
         columns = rr.Transform3D.columns(translation=poses[:, :3], quaternion=_xyzw(poses[:, 3:]))
         _send(recording, f"{entity}/{visual.link}", motion.time, columns)
 
 
-def _log_with_robot(recording: rr.RecordingStream, motion: Logged) -> None:
+def _log_with_robot(recording: rr.RecordingStream, motion: ShownMotion) -> None:
     whole, time = motion.motion, motion.time
     point = rr.Points3D([[0.0, 0.0, 0.0]], colors=[COM], radii=[_COM_RADIUS])
     recording.log("world/com", point, static=True, strict=True)
     _send(recording, "world/com", time, rr.Points3D.columns(positions=whole.com))
 
-    axes, quat = motion.ellipsoid
+    axes, quat = motion.inertia_axes, motion.inertia_wxyz
     look = rr.Ellipsoids3D.from_fields(colors=[PLANNED if whole.origin == "plan" else COM])
     recording.log("world/inertia", look, static=True, strict=True)
     columns = rr.Ellipsoids3D.columns(half_sizes=axes, centers=whole.com, quaternions=_xyzw(quat))
     _send(recording, "world/inertia", time, columns)
 
     legs = motion.robot.leg_names
-    assert whole.pressed_at is not None  # plans and rollouts have it
     arrows = motion.arrows
     for i, leg in enumerate(legs):
         thin = rr.Arrows3D.from_fields(colors=[FORCE], radii=[_ARROW_RADIUS])
         recording.log(f"world/forces/{leg}", thin, static=True, strict=True)
         pushing = arrows[:, i].any(axis=1)
         columns = rr.Arrows3D.columns(
-            vectors=arrows[pushing, i], origins=whole.pressed_at[pushing, i]
+            vectors=arrows[pushing, i], origins=motion.pressed_at[pushing, i]
         )
         # No arrow at the instants at which the foot does not push.
         _send(recording, f"world/forces/{leg}", time, columns.partition(pushing.astype(int)))

@@ -1,27 +1,23 @@
-"""A motion for log viewers, beside the poses of its links: numbers, arrows, boxes."""
+"""The numbers of a motion that log viewers plot."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.formats.shown import Bodies, ellipsoid_of, mass_of
+from llsrbm.look.shown_motion import ShownMotion, mass_of, shown_motion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-from llsrbm.robots import Robot
+from llsrbm.motion.whole_body import whole_body_motion
 
 Array = NDArray[np.float64]
 
 GHOST = 0.3  # opacity of a plan beside what was made of it
 GROUND_SIZE = (4.0, 4.0, 0.01)  # m; its top is the ground
-_ARROW_PER_WEIGHT = 0.8  # m, length of the arrow of a force as large as the robot's weight
-_PUSHING = 1.0  # N; smaller forces have no arrow
 _XYZ, _WXYZ = ("x", "y", "z"), ("w", "x", "y", "z")
 _LEAST_LIMIT = 1e-6  # Nm or N; a drive beyond its speed can give nothing
 
@@ -42,44 +38,8 @@ class Series:
     values: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Logged:
-    """One robot's motion as viewers show it: K instants, L legs.
-
-    Attributes:
-        motion: where it is sampled; bodies: where they are then.
-        time: (K,) s from the beginning of the file.
-        series: what is plotted.
-        mass: kg, of what moved.
-    """
-
-    motion: WholeBodyMotion
-    bodies: Bodies
-    time: Array
-    series: tuple[Series, ...]
-    mass: float
-
-    @property
-    def robot(self) -> Robot:
-        """That moves."""
-        return self.motion.robot
-
-    @cached_property
-    def ellipsoid(self) -> tuple[Array, Array]:
-        """(K, 3) m and (K, 4): see `ellipsoid_of`."""
-        return ellipsoid_of(self.motion, self.mass)
-
-    @property
-    def arrows(self) -> Array:
-        """(K, L, 3) m: contact forces as arrows, without a length where a foot hardly pushes."""
-        assert self.motion.foot_force is not None
-        weight = self.mass * float(np.linalg.norm(self.robot.model.gravity.linear))
-        pushing = np.linalg.norm(self.motion.foot_force, axis=2, keepdims=True) > _PUSHING
-        return np.where(pushing, self.motion.foot_force * (_ARROW_PER_WEIGHT / weight), 0.0)
-
-
-def logged(trajectory: Trajectory, fps: float, start: float | None = None) -> Logged:
-    """The motion of a plan or a rollout, with the instants of its events.
+def logged(trajectory: Trajectory, fps: float, start: float | None = None) -> ShownMotion:
+    """A plan or a rollout with the instants of its events, and with forces of that instant.
 
     `start`: s of its time at which the file begins; None: with the motion.
 
@@ -89,41 +49,39 @@ def logged(trajectory: Trajectory, fps: float, start: float | None = None) -> Lo
     """
     motion = whole_body_motion(trajectory, fps, events=True)
     own = float(trajectory.time[0])
-    mass = mass_of(trajectory, motion.robot)
-    return Logged(
-        motion=motion,
-        bodies=Bodies.of(motion.robot, motion, motion.joint_position),
-        time=motion.time + (own - (own if start is None else start)),
-        series=tuple(_series(motion, mass)),
-        mass=mass,
+    time = motion.time + (own - (own if start is None else start))
+    return shown_motion(
+        motion, trajectory.schedule, mass=mass_of(trajectory, motion.robot), time=time
     )
 
 
-def logged_plan(trajectory: Trajectory, fps: float) -> Logged | None:
+def logged_plan(trajectory: Trajectory, fps: float) -> ShownMotion | None:
     """The plan that a rollout followed, on the rollout's time; None of a plan."""
     if isinstance(trajectory, Rollout):
         return logged(trajectory.plan, fps, float(trajectory.time[0]))
     return None
 
 
-def reference_series(rollout: Rollout, motion: Logged) -> tuple[Series, ...]:
+def reference_series(rollout: Rollout, shown: ShownMotion) -> tuple[Series, ...]:
     """The controller's reference, at the instants of the rollout's motion.
 
     A landing strategy may have changed what the plan says.
     """
-    sampled = resample(rollout, motion.time + rollout.time[0])
+    sampled = resample(rollout, shown.motion.time + rollout.time[0])
     return (
         Series("com", "m", _XYZ, sampled.reference_com),
         Series("base_quat", "", _WXYZ, sampled.reference_base_quat),
         *(
             Series(f"foot_position/{leg}", "m", _XYZ, sampled.reference_foot_position[:, i])
-            for i, leg in enumerate(motion.robot.leg_names)
+            for i, leg in enumerate(shown.robot.leg_names)
         ),
         Series("angular_momentum", "kg m2/s", _XYZ, sampled.reference_angular_momentum),
     )
 
 
-def _series(motion: WholeBodyMotion, mass: float) -> Iterator[Series]:
+def series_of(shown: ShownMotion) -> Iterator[Series]:
+    """Everything that is plotted of a plan or a rollout."""
+    motion, mass = shown.motion, shown.mass
     legs, joints = motion.robot.leg_names, motion.robot.joint_names
     yield Series("com", "m", _XYZ, motion.com)
     yield Series("com_velocity", "m/s", _XYZ, motion.linear_momentum / mass)

@@ -39,7 +39,7 @@ from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
 from llsrbm.formats.base import Format, Options
 from llsrbm.formats.mujoco.motion import read_motion, recognises
-from llsrbm.formats.shown import surroundings_of
+from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
@@ -100,7 +100,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     start, end = (float(trajectory.time[i]) for i in (0, -1))
     own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps
     places = [block_places(around, float(t)) for t in np.clip(own_time, start, end)]
-    keyframes = _keyframes(trajectory, names, around)
+    keyframes = _keyframes(trajectory, around)
     tick = 1.0 / robot.file.control.rate
     timestep = tick / steps_in(tick)
 
@@ -112,7 +112,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
         {
             "time": motion.time,
             "fps": np.float64(options.fps),
-            **_states(motion, names),
+            **states_in_model_order(motion),
             "joint_names": np.array(names, dtype=np.str_),
             "mocap_pos": np.array(places),
             "mocap_names": np.array(
@@ -154,9 +154,12 @@ def _write_words(
     (path / MARK).write_text(text + "\n", encoding="utf-8")
 
 
-def _states(motion: WholeBodyMotion, names: tuple[str, ...]) -> dict[str, Array]:
-    """`qpos`, `qvel` and, if they are known, torques `ctrl`; joints in the model's order."""
-    joints = np.array([motion.robot.joint_names.index(name) for name in names])
+def states_in_model_order(motion: WholeBodyMotion) -> dict[str, Array]:
+    """`qpos`, `qvel` and, if they are known, torques `ctrl`, as in the exported model."""
+    from llsrbm.simulation.scene import joints_in_model_order
+
+    robot = motion.robot
+    joints = np.array([robot.joint_names.index(name) for name in joints_in_model_order(robot)])
     states = {
         "qpos": motion.qpos[:, [*range(7), *(7 + joints)]],
         "qvel": motion.qvel[:, [*range(6), *(6 + joints)]],
@@ -171,16 +174,14 @@ def _seen(motion: WholeBodyMotion) -> tuple[Array, float]:
     return (low + high) / 2, float(np.linalg.norm(high - low)) + 2 * _ROOM
 
 
-def _keyframes(
-    trajectory: Trajectory, names: tuple[str, ...], around: Surroundings
-) -> dict[str, dict[str, Array]]:
+def _keyframes(trajectory: Trajectory, around: Surroundings) -> dict[str, dict[str, Array]]:
     from llsrbm.simulation.scene import block_places
 
     # At a rate at which a plan's knots that count are there as events, and a rollout's ticks all.
     tick = float(trajectory.time[1] - trajectory.time[0])
     rate = 1.0 if isinstance(trajectory, Plan) else 1.0 / tick
     motion = whole_body_motion(trajectory, rate, events=True)
-    states, start = _states(motion, names), float(trajectory.time[0])
+    states, start = states_in_model_order(motion), float(trajectory.time[0])
     found = {}
     for name, instant in _instants(trajectory).items():
         k = int(np.searchsorted(motion.time, instant - start + _SAME_INSTANT, side="right")) - 1

@@ -23,6 +23,8 @@ MESHES = "meshes"  # folder beside the MJCF
 _LOOKS, _TOUCHES = 2, 3  # geom groups, as is usual: MuJoCo's viewer shows 0 to 2
 _ALIKE = 48.0  # of 255: colours of a robot that are that close become one
 _OWN = ("world", "trunk", "foot")  # what names of ours begin with, before a slash
+_HORIZON, _ZENITH, _TILE = [0.914, 0.929, 0.949], [0.8, 0.85, 0.9], [0.93, 0.94, 0.952]
+_LAMP = np.array([-0.29, 0.46, -0.84])  # the way its light goes
 _WOOD = (0.65, 0.5, 0.35, 1.0)
 
 _STL_HEADER = 80  # bytes
@@ -92,13 +94,23 @@ def _set_limits(spec: mujoco.MjSpec, robot: Robot) -> None:
 def _dress_world(spec: mujoco.MjSpec, centre: Array, size: float) -> None:
     spec.stat.center, spec.stat.extent = centre, size
     light = spec.visual.headlight
-    light.ambient, light.diffuse, light.specular = [0.4] * 3, [0.6] * 3, [0.1] * 3
+    light.ambient, light.diffuse, light.specular = [0.42] * 3, [0.32] * 3, [0.05] * 3
+    spec.worldbody.add_light(
+        name="lamp",
+        type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL,
+        pos=centre - 2 * size * _LAMP,
+        dir=_LAMP,
+        diffuse=[0.55] * 3,
+        specular=[0.15] * 3,
+        castshadow=True,
+    )
+    spec.visual.rgba.haze = [*_HORIZON, 1.0]
     kinds, made = mujoco.mjtTexture, mujoco.mjtBuiltin
     sky = {"type": kinds.mjTEXTURE_SKYBOX, "builtin": made.mjBUILTIN_GRADIENT, "width": 64}
-    blue, pale = [0.55, 0.65, 0.75], [0.85, 0.9, 0.95]
-    spec.add_texture(name="sky", rgb1=pale, rgb2=blue, height=384, **sky)
-    tiles = {"type": kinds.mjTEXTURE_2D, "builtin": made.mjBUILTIN_CHECKER, "width": 256}
-    spec.add_texture(name="ground", rgb1=[0.75] * 3, rgb2=[0.65] * 3, height=256, **tiles)
+    spec.add_texture(name="sky", rgb1=_HORIZON, rgb2=_ZENITH, height=384, **sky)
+    tiles = {"type": kinds.mjTEXTURE_2D, "builtin": made.mjBUILTIN_FLAT, "width": 256}
+    lines = {"mark": mujoco.mjtMark.mjMARK_EDGE, "markrgb": [0.66, 0.7, 0.76]}
+    spec.add_texture(name="ground", rgb1=_TILE, rgb2=_TILE, height=256, **tiles, **lines)
     ground = spec.add_material(name="ground", texrepeat=[2, 2], texuniform=True)
     ground.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "ground"
     for geom in spec.geoms:

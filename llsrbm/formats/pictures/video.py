@@ -18,24 +18,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.analysis.wording import outcome_words
 from llsrbm.errors import Error, InputError
 from llsrbm.formats.base import Extra, Format, Options
-from llsrbm.formats.pictures.drawing import (
-    FIELD_OF_VIEW,
-    LEAST_FORCE,
-    Drawing,
-    draw,
-    title,
-    view_of,
-)
+from llsrbm.formats.mujoco.folder import MOTION, MUJOCO, SCENE, states_in_model_order
+from llsrbm.formats.pictures.drawing import FIELD_OF_VIEW, Drawing, draw, view_of
 from llsrbm.formats.pictures.process import NO_OPENGL
 from llsrbm.look import palette
 from llsrbm.look.timeline import phase_at
-from llsrbm.look.visuals import link_visuals
+from llsrbm.look.titles import title
 from llsrbm.motion.trajectory import Trajectory
 
 Picture = NDArray[np.uint8]
 
+_FOLDER, _FILM = "mujoco", "film"
 # MuJoCo's that need no screen; "": its own of macOS and Windows.
 _BACKENDS = ("egl", "osmesa") if sys.platform == "linux" else ("",)
 _EXPECTED = (
@@ -60,23 +56,31 @@ def pictures(trajectory: Trajectory, options: Options) -> Iterator[Picture]:
     """
     drawing = draw(trajectory, options.fps, options.pad)
     caption = _Caption(drawing, options.size)
-    for k, picture in enumerate(_drawn(_film(drawing, options))):
-        yield caption.on(picture, float(drawing.time[k]))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder)
+        MUJOCO.write(trajectory, path / _FOLDER, Options(fps=options.fps, pad=options.pad))
+        (path / _FILM).write_bytes(pickle.dumps(_film(drawing, options, path / _FOLDER)))
+        shown = _drawn(path / _FILM, options.size, len(drawing.solid.time))
+        for k, picture in enumerate(shown):
+            yield caption.on(picture, float(drawing.solid.time[k]))
 
 
-def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
+def _film(drawing: Drawing, options: Options, exported: Path) -> dict[str, Any]:
+    solid, ghost = drawing.solid, drawing.ghost
     view = view_of(drawing, options.size[0] / options.size[1], options.camera)
-    height = float(drawing.robot.com[2])
+    height = float(solid.robot.com[2])
     shades = {
         "planned": palette.PLANNED,
-        "ellipsoid": drawing.colour,
+        "ellipsoid": palette.PLANNED if ghost is None else palette.SIMULATED,
         "force": palette.FORCE,
         "com": palette.COM,
         "foot": palette.FOOT,
-        "block": palette.BLOCK,
     }
-    coarse = () if drawing.ghost is None else link_visuals(drawing.robot, coarse=True)
     return {
+        "scene": str(exported / SCENE),
+        "motion": str(exported / MOTION),
+        "ghost_qpos": None if ghost is None else states_in_model_order(ghost.motion)["qpos"],
+        "fps": options.fps,
         "size": options.size,
         "field_of_view": FIELD_OF_VIEW,
         "target": view.target,
@@ -85,34 +89,29 @@ def _film(drawing: Drawing, options: Options) -> dict[str, Any]:
         "distance": view.distance,
         "eye": view.target + view.distance * view.axes[:, 2],
         "extent": 2.2 * height + 0.3,
-        "ground": drawing.surroundings.ground,
-        "blocks": [vars(block) for block in drawing.surroundings.blocks],
-        "arrow_per_newton": drawing.arrow_per_newton,
-        "least_force": LEAST_FORCE,
+        "arrows": solid.arrows,
+        "pressed_at": solid.pressed_at,
         "thickness": 0.02 * height,
         "colours": {name: [part / 255 for part in rgb] for name, rgb in shades.items()},
-        "meshes": [{**vars(visual), "rgb": visual.paint} for visual in drawing.visuals],
-        "coarse": [vars(visual) for visual in coarse],
-        "foot": drawing.motion.foot_position,
-        "flight": drawing.flight,
-        **drawing.arrays,
+        "com": solid.com,
+        "foot": solid.foot_position,
+        "flight": ~solid.contact.any(axis=1),
+        "ellipsoid_axes": solid.inertia_axes,
+        "ellipsoid_quat": solid.inertia_wxyz,
     }
 
 
-def _drawn(film: dict[str, Any]) -> Iterator[Picture]:
+def _drawn(film: Path, size: tuple[int, int], count: int) -> Iterator[Picture]:
     """The film's pictures, from a process that is ended with the iteration."""
     chosen = os.environ.get("MUJOCO_GL", "").lower()
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "film"
-        path.write_bytes(pickle.dumps(film))
-        reason = ""
-        for backend in (chosen,) if chosen in _BACKENDS else _BACKENDS:
-            status, output = yield from _drawn_with(backend, path, film["size"], len(film["time"]))
-            if status == 0:
-                return
-            reason = (output.strip().splitlines() or ["no reason is known"])[-1][:_LONGEST_LINE]
-            if status != NO_OPENGL:
-                raise Error(f"drawing pictures failed: {reason}")
+    reason = ""
+    for backend in (chosen,) if chosen in _BACKENDS else _BACKENDS:
+        status, output = yield from _drawn_with(backend, film, size, count)
+        if status == 0:
+            return
+        reason = (output.strip().splitlines() or ["no reason is known"])[-1][:_LONGEST_LINE]
+        if status != NO_OPENGL:
+            raise Error(f"drawing pictures failed: {reason}")
     raise InputError(
         f"pictures cannot be drawn without a screen: no OpenGL ({reason}); expected {_EXPECTED}"
     )
@@ -167,8 +166,8 @@ class _Caption:
         pen, drawing = ImageDraw.Draw(image), self._drawing
         phase = phase_at(drawing.timeline, max(time, 0.0))
         rows = (
-            (drawing.title, self._large, _INK),
-            (drawing.outcome, self._plain, _SOFT_INK),
+            (title(drawing.trajectory), self._large, _INK),
+            (outcome_words(drawing.trajectory), self._plain, _SOFT_INK),
             (f"{math.floor(1000 * time + 0.5) / 1000:.2f} s  {phase}", self._plain, _INK),
         )
         for i, (text, font, ink) in enumerate(rows):
@@ -266,11 +265,12 @@ inertia ellipsoid, trails, ground and boxes, of a rollout also the plan as a gho
 holds it. 1 s of video is 1 s of motion: picture k is the motion at k/fps - pad. Forces of a rollout
 are means from picture to picture. Camera: azimuth (0 looks from ahead, 90 from the left), elevation
 [deg] and distance [m]; left out, from where the page looks, so far away that the robot is in the
-picture all the time. Title and, as "comment", JSON with request, robot and solver are in the file's
-metadata.
+picture all the time. An arrow of 0.8 m is a force as large as the robot's weight. Title and, as
+"comment", JSON with request, robot and solver are in the file's metadata.
 
-Drawn by MuJoCo without a screen, by the processor where there is no graphics card: about 0.1 s a
-picture of 960 x 540 on two cores, and then with smooth edges only up to 640 x 360.
+The scene is that of format mujoco, drawn by MuJoCo without a screen, by the processor where there
+is no graphics card: about 0.1 s a picture of 960 x 540 on two cores, and then with smooth edges
+only up to 640 x 360.
 """,
     options=("fps", "pad", "size", "camera"),
     extra=Extra("video", ("av",)),

@@ -22,7 +22,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 from llsrbm.formats.base import ORDERS
-from llsrbm.formats.shown import Bodies
+from llsrbm.look.visuals import forward_kinematics
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_order, link_paths, urdf_joints
 from llsrbm.motion.trajectory import Trajectory
@@ -123,8 +123,8 @@ def _joint_states(motion: WholeBodyMotion, times: list[int]) -> Iterator[_Messag
 
 def _transforms(motion: WholeBodyMotion, times: list[int]) -> Iterator[_Message]:
     kind = "tf2_msgs/msg/TFMessage"
-    bodies = Bodies.of(motion.robot, motion, motion.joint_position)
-    paths = list(link_paths(motion.robot, bodies.position, bodies.quat))
+    state = motion.base_position, motion.base_quat, motion.joint_position
+    paths = list(link_paths(motion.robot, *forward_kinematics(motion.robot, *state)))
     still = [
         _transform(times[0], path.parent, path.link, path.position[0], path.quat[0])
         for path in paths

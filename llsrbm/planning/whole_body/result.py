@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
+from llsrbm.body.momentum import centroidal_states
 from llsrbm.mechanics import apply, quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import NODES, Grid
@@ -82,12 +83,10 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
 def _by_pinocchio(robot: Robot, q: Array, v: Array) -> tuple[Array, Array, Array, Array, Array]:
     """CoM, inertia, momentum (linear, angular), the feet's lowest points and their attitudes."""
     model, data, legs = robot.model, robot.model.createData(), len(robot.legs)
-    com, inertia, momentum = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6))
+    com, inertia, momentum = centroidal_states(model, q, v)
     place, rotation = np.empty((len(q), legs, 3)), np.empty((len(q), legs, 3, 3))
     for k in range(len(q)):
-        pin.ccrba(model, data, q[k], v[k])
-        pin.updateFramePlacements(model, data)
-        com[k], inertia[k], momentum[k] = data.com[0], data.Ig.inertia, data.hg.vector
+        pin.framesForwardKinematics(model, data, q[k])
         for leg, description in enumerate(robot.legs):
             placed = data.oMf[description.foot_frame_id]
             place[k, leg], rotation[k, leg] = placed.translation, placed.rotation

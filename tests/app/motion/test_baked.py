@@ -5,13 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from app.motion.baked import bake_plan, bake_rollout, means_from, presentable
+from app.motion.baked import FRAME_RATE, bake_plan, bake_rollout, presentable
 from app.motion.clip import AnimationChannel
-from app.motion.frames import FRAME_RATE
 from llsrbm.look.timeline import force_phases
 from llsrbm.motion.rollout import Mode
 from llsrbm.request.jump import Jump
@@ -86,15 +83,6 @@ def test_however_short_it_is_drawn(rollout, ticks):
     assert frames.time[0] == rollout.time[0]
     assert frames.end == rollout.time[ticks - 1]
     assert AnimationChannel(frames.time, ()).frame_at(5.0) == len(frames.time) - 1
-
-
-@given(st.lists(st.floats(-9, 9), min_size=1, max_size=20), st.data())
-def test_means_are_those_of_the_stretches(values, data):
-    values = np.array(values)
-    more = data.draw(st.sets(st.integers(0, len(values) - 1)))
-    first = np.array(sorted({0, *more}))
-    expected = [part.mean() for part in np.split(values, first[1:])]
-    assert means_from(values, first) == pytest.approx(np.array(expected))
 
 
 @pytest.mark.parametrize(

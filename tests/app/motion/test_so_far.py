@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.motion.baked import frames_so_far
-from app.motion.frames import make_frames
+from llsrbm.look.shown_motion import shown_motion
 from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot, names
@@ -33,7 +33,7 @@ def jumping(robot, instants=121):
 def test_frames_are_those_of_the_same_motion_with_velocities(name):
     robot, (time, qpos) = load_robot(name), jumping(name)
     frames = frames_so_far(robot, time, qpos)
-    full = make_frames(
+    full = shown_motion(
         motion_of_states(robot, "unitree-csv", time, qpos, np.zeros((len(time), robot.model.nv)))
     )
     for field in DRAWN:

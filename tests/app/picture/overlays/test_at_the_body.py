@@ -9,9 +9,9 @@ import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
-from app.motion.frames import make_frames
 from app.picture.overlays.forces import METRES_PER_UNIT, AngularMomentum
 from app.picture.scene import Scene
+from llsrbm.look.shown_motion import shown_motion
 from llsrbm.robots import load_robot
 from tests.app.picture.overlays.drawn import DrawnOverlay
 from tests.app.picture.pictures import picture, planned
@@ -108,7 +108,7 @@ def test_raised_arms_are_as_they_hang_in_the_ellipsoid_of_held_ones():
     robot, motion = load_robot("g1"), planned("g1").motion
     joints = motion.joint_position.copy()
     joints[:, robot.arm_joint_index] += 0.5
-    raised = make_frames(replace(motion, joint_position=joints))
+    raised = shown_motion(replace(motion, joint_position=joints))
     for one, other in zip(raised.held_arms, planned("g1").frames.held_arms, strict=True):
         assert one == pytest.approx(other)
     assert planned("anymal").frames.held_arms is None

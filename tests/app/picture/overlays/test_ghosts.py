@@ -44,20 +44,13 @@ def test_a_simulation_that_goes_on_is_compared_with_the_plans_end():
     index = np.minimum(np.arange(len(time)), len(frames.time) - 1)
     position = frames.body_position[index].copy()
     position[-1] += [0.1, 0.0, 0.0]
-    fallen = replace(
-        frames,
-        time=time,
-        body_position=position,
-        body_wxyz=frames.body_wxyz[index],
-        com=frames.com[index],
-        stands=frames.stands[index],
-        yaw_wxyz=frames.yaw_wxyz[index],
-        inertia_axes=frames.inertia_axes[index],
-        inertia_wxyz=frames.inertia_wxyz[index],
-        foot_position=frames.foot_position[index],
-        foot_force=frames.foot_force[index],
-        pressed_at=frames.pressed_at[index],
-    )
+
+    def longer(of, *names):
+        return replace(of, **{name: getattr(of, name)[index] for name in names})
+
+    motion = longer(frames.motion, "com", "base_quat", "foot_position", "contact")
+    drawn = ("body_wxyz", "stands", "inertia_axes", "inertia_wxyz", "foot_force", "pressed_at")
+    fallen = replace(longer(frames, *drawn), motion=motion, time=time, body_position=position)
     instants, there = seen(fallen)
     assert instants[-1] == time[-1]
     assert there[-1]

@@ -11,7 +11,7 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.formats.shown import surroundings_of
+from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.sampling import resample
 from llsrbm.request.scenario import Scenario

@@ -127,7 +127,7 @@ def test_robots_have_their_colours(name):
     plan = motion_of(name).plan
     picture = next(iter(pictures(plan, Options(fps=1.0, size=(320, 200))))).astype(int)
     drawing = draw(plan, 1.0)
-    at = seen_at(view_of(drawing, 1.6), drawing.solid.position[0], (320, 200))
+    at = seen_at(view_of(drawing, 1.6), drawing.solid.body_position[0], (320, 200))
     ground = np.median(picture[-20:].reshape(-1, 3), axis=0)
     off = [np.abs(picture[y, x] - ground).max() for x, y in at.round().astype(int)]
     assert np.median(off) > 40
@@ -148,13 +148,13 @@ def seen_at(view, points, size):
 def test_the_robot_is_in_the_picture_all_the_time(name, camera):
     drawing = draw(motion_of(name).rollout, 20.0)
     view = view_of(drawing, 16 / 9, camera)
-    for k in range(0, len(drawing.time), 5):
-        at = seen_at(view, drawing.solid.position[k], (160, 90))
+    for k in range(0, len(drawing.solid.time), 5):
+        at = seen_at(view, drawing.solid.body_position[k], (160, 90))
         assert (at > 0).all()
         assert (at < [160, 90]).all()
     if camera is None:
         at = seen_at(
-            view, np.vstack([*drawing.solid.position, *drawing.motion.foot_position]), (160, 90)
+            view, np.vstack([*drawing.solid.body_position, *drawing.solid.foot_position]), (160, 90)
         )
         assert np.ptp(at, axis=0).max() > 40  # not small either
 
