@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import logging
 import xml.etree.ElementTree as ET
+from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ from llsrbm.errors import RobotFileError
 if TYPE_CHECKING:
     import trimesh
 
+_POINTER = b"version https://git-lfs"
 _GREY = "0.7 0.7 0.7 1"
 
 _log = logging.getLogger(__name__)
@@ -34,6 +36,9 @@ def read_meshes(path: Path) -> tuple[trimesh.Trimesh, ...]:
     """
     import trimesh
 
+    with suppress(OSError), path.open("rb") as file:
+        if file.read(len(_POINTER)) == _POINTER:
+            raise RobotFileError(f"{path}: Git LFS has not fetched this mesh; run `git lfs pull`")
     try:
         scene = _collada(path) if path.suffix.lower() == ".dae" else trimesh.load_scene(path)
         found = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
