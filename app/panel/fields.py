@@ -28,6 +28,10 @@ def _always(_: Any) -> bool:
     return True
 
 
+def _never(_: Any) -> bool:
+    return False
+
+
 @dataclass(frozen=True, eq=False)
 class Field(Generic[V]):
     """A control: a checkbox, or a menu if it has options, or for numbers if it has ends."""
@@ -48,7 +52,7 @@ class Field(Generic[V]):
     # whether a value has this number at all; else it is not read, and hidden
     there: Callable[[V], bool] = _always
     stays: bool = False  # it is seen all the same, and keeps what was entered
-    disabled: bool = False  # it cannot be changed
+    disabled: Callable[[V], bool] = _never  # whether it cannot be changed
 
     def ends_for(self, about: Any) -> Ends:
         """Lowest and highest number."""
@@ -123,6 +127,7 @@ class Fields(Generic[V]):
         for field, handle in self._handles.items():
             there = field.there(value)
             handle.visible = there or field.stays
+            handle.disabled = field.disabled(value)
             if field.ends is not None:
                 handle.min, handle.max = field.ends_for(about)
             if callable(field.options):
@@ -149,7 +154,7 @@ class Fields(Generic[V]):
 
     def _made(self, field: Field[V]) -> Any:
         gui, there = self._gui, field.there(self._value)
-        plain: dict[str, Any] = {"hint": field.hint, "disabled": field.disabled}
+        plain: dict[str, Any] = {"hint": field.hint, "disabled": field.disabled(self._value)}
         plain["visible"] = there or field.stays
         if field.options is not None:
             options = field.options_for(self._value, self._about)

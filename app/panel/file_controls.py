@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from html import escape
 from typing import Any
 
@@ -15,9 +15,10 @@ from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Field, Fields
 from app.panel.html import SMALL, note
 from app.viser_private import take_upload
-from llsrbm.formats import FORMATS, ORDERS, Format, Options, readable
+from llsrbm.formats import FORMATS, ORDERS, Options, availability, readable
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
+from llsrbm.robots import Robot
 
 SIMULATION, PLAN = "simulation", "plan"
 
@@ -39,6 +40,20 @@ class FileChoice:
     rate: float = 30.0  # frames/s of files that do not say their own
     simulated: bool = False  # there is a simulation to choose; `TabState.file_choice` says it
     rate_needed: bool = False  # a file came that does not say its rate
+    robot: Robot | None = None  # of which; None: not known yet; `TabState.file_choice` says it
+
+    def hindrance(self, name: str) -> str:
+        """Why a format cannot be written here, or of the robot; "" if it can."""
+        return _hindrance(name, self.robot)
+
+    def title(self, name: str) -> str:
+        """A format in menus: its name, and whether it cannot be written."""
+        return f"{name} (not available)" if self.hindrance(name) else name
+
+    def line(self, name: str) -> str:
+        """A format in one sentence, which says why it cannot be written."""
+        why = self.hindrance(name)
+        return f"{FORMATS[name].title}{f'; {why}' if why else ''}"
 
     @property
     def formats(self) -> tuple[str, ...]:
@@ -80,18 +95,13 @@ def _field(label: str, name: str, hint: str | None = None, **how: Any) -> Field[
     )
 
 
-def _missing(format_: Format) -> bool:
-    return format_.extra is not None and format_.extra.missing
+@cache
+def _hindrance(name: str, robot: Robot | None) -> str:
+    return availability(FORMATS[name], robot)
 
 
-def _line(format_: Format) -> str:
-    needs = f'; not installed: pip install "llsrbm[{format_.extra.name}]"' if format_.extra else ""
-    return f"{format_.title}{needs if _missing(format_) else ''}"
-
-
-def _not_installed() -> str | None:
-    missing = [name for name, each in FORMATS.items() if _missing(each)]
-    return f"Not installed: {', '.join(missing)}" if missing else None
+def _is_hindered(name: str, choice: FileChoice) -> bool:
+    return bool(choice.hindrance(name))
 
 
 def _is_also(name: str, choice: FileChoice) -> bool:
@@ -103,7 +113,14 @@ def _with_also(name: str, choice: FileChoice, on: bool) -> FileChoice:
     return replace(choice, also=tuple(each for each in FORMATS if each in wanted))
 
 
-FORMAT = _field("Format", "format", _not_installed(), options=tuple(FORMATS))
+FORMAT: Field[FileChoice] = Field(
+    "Format",
+    "The file to export; the tab Files describes it",
+    get=lambda choice: choice.title(choice.format),
+    put=lambda choice, title: replace(choice, format=title.partition(" ")[0]),
+    options=lambda choice, _: [choice.title(name) for name in FORMATS],
+    aliases=tuple(FORMATS),
+)
 RATE = _field(
     "Rate of the file [1/s]",
     "rate",
@@ -132,10 +149,10 @@ OPTIONS = (
 ALSO = tuple(
     Field(
         name,
-        _line(each),
+        each.title,
         get=partial(_is_also, name),
         put=partial(_with_also, name),
-        disabled=_missing(each),
+        disabled=partial(_is_hindered, name),
     )
     for name, each in FORMATS.items()
 )
@@ -214,7 +231,7 @@ class FileControls:
         self.fields.show(choice, choice)
         self._note.content = note(text)
         self._note.visible = bool(text)
-        self._line.content = f'<div style="{SMALL}">{escape(_line(FORMATS[choice.format]))}</div>'
+        self._line.content = f'<div style="{SMALL}">{escape(choice.line(choice.format))}</div>'
         self._busy.content = f'<div role="alert" style="{SMALL}">{escape(busy)}</div>'
         self._busy.visible = bool(busy)
 

@@ -153,7 +153,13 @@ def _busy(state: TabState) -> bool:
     return bool(state.files.saving_note or state.files.opening_note)
 
 
-@on(Act.EXPORT, enabled=lambda state: state.shown is not None and not _busy(state))
+def _can_be_exported(state: TabState) -> bool:
+    choice = state.file_choice
+    hindered = any(map(choice.hindrance, choice.formats))
+    return state.shown is not None and not _busy(state) and not hindered
+
+
+@on(Act.EXPORT, enabled=_can_be_exported)
 def export(state: TabState) -> Step:
     """Have the motion that is shown written in the chosen formats."""
     choice, rollout = state.export, state.rollout

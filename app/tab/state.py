@@ -286,8 +286,9 @@ class TabState:
 
     @property
     def file_choice(self) -> FileChoice:
-        """The options of an export, with a choice of motions if there are two."""
-        return replace(self.export, simulated=self.rollout is not None)
+        """The options of an export, with a choice of motions if there are two, and the robot."""
+        robot = self.robot if self.ready else None
+        return replace(self.export, simulated=self.rollout is not None, robot=robot)
 
     @property
     def ready(self) -> bool:

@@ -10,6 +10,7 @@ from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
 from app.panel.status import Verdict
+from app.tab.acts import is_enabled
 from app.tab.effects import Download, Keep, LoadRobot, Notify, Queue, RobotLoaded, Stop
 from app.tab.files import FileChosen
 from app.workers.opened_file import OpenedFile
@@ -258,3 +259,13 @@ def test_a_format_whose_package_is_missing_is_refused(tab, monkeypatch):
     ((title, body),) = tab.notes()
     assert title == "Not exported"
     assert "pip install" in body
+
+
+def test_the_menu_says_what_cannot_be_written_of_the_robot(tab):
+    tab.take(FileChoice("lowcmd"))
+    choice = tab.state.file_choice
+    assert [choice.title(name) for name in ("npz", "lowcmd")] == ["npz", "lowcmd (not available)"]
+    assert "robot anymal has" in choice.line("lowcmd")
+    assert not is_enabled(Act.EXPORT, tab.state)
+    tab.take(FileChoice("npz"))
+    assert is_enabled(Act.EXPORT, tab.state)
