@@ -28,31 +28,35 @@ class Button:
 class Act(Enum):
     """An act: a button, or the name of a group of controls that was moved."""
 
-    NEAREST = Button("verdict", "Use nearest", "Ask for the jump that is shown instead")
-    SIMULATE = Button("main", "Simulate", "Follow the plan with the whole robot in MuJoCo")
-    CANCEL = Button("main", "Cancel", "Stop what is being computed")
-    EXPORT = Button("export", "Export", "Saves the simulation if there is one, else the plan")
+    NEAREST = Button("verdict", "Use nearest", "Replace the request by this feasible jump")
+    SIMULATE = Button("main", "Simulate", "Simulate the whole robot following the plan in MuJoCo")
+    CANCEL = Button("main", "Cancel", "Stop the computation")
+    EXPORT = Button("export", "Export", "Save the simulation, or the plan if there is none")
     STOP_FILES = Button("stop", "Stop", "Stop reading or writing this file")
-    UNDO = Button("history", "Undo", "The design before the last change", Icon.ARROW_BACK_UP)
-    REDO = Button("history", "Redo", "The design that was undone", Icon.ARROW_FORWARD_UP)
-    SHARE = Button("history", "Share", "A link that opens this design", Icon.LINK)
+    UNDO = Button(
+        "history", "Undo", "Go back to the design before the last change", Icon.ARROW_BACK_UP
+    )
+    REDO = Button("history", "Redo", "Restore the design that was undone", Icon.ARROW_FORWARD_UP)
+    SHARE = Button("history", "Share", "Make a link that opens this design", Icon.LINK)
     COMPARE_REPLANNING = Button(
         "push",
         "With and without replanning",
-        "Simulate the push both ways, and play both side by side",
+        "Simulate the push with and without replanning; play both side by side",
     )
     COMPARE_MODEL = Button(
         "push",
         "Against another model",
-        "Simulate the push on an SRBM plan too (on LL-SRBM+ if this is one)",
+        "Simulate the push on an SRBM plan as well (on LL-SRBM+ if this is one)",
     )
     COMPARE_ARMS = Button(
         "push",
         "With free and held arms",
-        "Simulate the push with arms that move and with held ones, and play both side by side",
+        "Simulate the push with free and with held arms; play both side by side",
     )
     SEEDS = Button(
-        "seeds", "Simulate 20 seeds", "The same plan under 20 disturbances: how many land"
+        "seeds",
+        "Simulate 20 seeds",
+        "Simulate the plan under 20 disturbances and count the landings",
     )
     ROBOT_SIMULATOR = Button(
         "seeds",
@@ -60,23 +64,31 @@ class Act(Enum):
         "Play the plan as on the robot: its wire's delays, sensors, an estimator, the player; the "
         "direct simulation is pinned beside it",
     )
-    WORST = Button("worst", "Show the worst seed", "The simulation that fell first or erred most")
-    PIN = Button("pin", "Pin", "Keep this design as a ghost and compare others with it")
+    WORST = Button(
+        "worst", "Show the worst seed", "Show the simulation that fell first or erred most"
+    )
+    PIN = Button("pin", "Pin", "Keep this design as a ghost to compare others with")
     USE_PINNED = Button("pinned", "Use this design", "Make the pinned design the current one")
     UNPIN = Button("pinned", "Unpin")
-    CHECK = Button("certificate", "Check the motion", "Stops, drives, friction, distances at 1 kHz")
+    CHECK = Button(
+        "certificate",
+        "Check the motion",
+        "Check joint stops, drives, friction and distances at 1 kHz",
+    )
     RESET_TUNING = Button(
-        "limits", "Reset all", "Every weight and limit as the robot's file has it, or the jump type"
+        "limits", "Reset all", "Restore the defaults of the robot and the jump type"
     )
     ADD_CHART = Button(
-        "add chart", "Add chart", "Or drag this button, or a chart's title, onto a chart"
+        "add chart",
+        "Add chart",
+        "Drag this button, or a chart's title, onto a chart to combine them",
     )
     REMOVE_CHART = Button("charts", "Remove chart")
-    SAVE_LINES = Button(
-        "charts", "Download", "All lines that are shown, at their own instants, CSV"
-    )
+    SAVE_LINES = Button("charts", "Download", "Save all shown lines with their own instants as CSV")
     SAVE = Button(
-        "files", "Save design", "Everything asked for as one small file to open here again"
+        "files",
+        "Save design",
+        "Save request, weights, limits and scenario as a small file to open here",
     )
 
     JUMP = "jump"

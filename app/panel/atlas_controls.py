@@ -96,8 +96,8 @@ def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
             put=lambda menus, name: menus.having(sweep=name),
             options=tuple(sweeps),
         ),
-        _axis_menu(0, "Axis to the right"),
-        _axis_menu(1, "Axis upwards"),
+        _axis_menu(0, "Horizontal axis"),
+        _axis_menu(1, "Vertical axis"),
         Field(
             "Colour",
             None,
@@ -107,7 +107,7 @@ def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
         ),
         Field(
             "Other axes",
-            "The slice nearest to the present design, or all jumps of the sweep together",
+            "Show the slice nearest to the design, or all jumps of the sweep together",
             get=lambda menus: projections[menus.choice.projection],
             put=lambda menus, title: menus.having(projection=_PROJECTIONS[title]),
             options=tuple(_PROJECTIONS),

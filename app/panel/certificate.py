@@ -28,7 +28,7 @@ def _verdict(certificate: Certificate, of: str) -> str:
         return f"All checks of the {of} hold."
     broken = len(certificate.broken)
     if not broken:
-        return f"The checks of the {of} hold as far as they are known."
+        return f"No check of the {of} fails; some could not be evaluated."
     return f"{broken} {'check' if broken == 1 else 'checks'} of the {of} {_do(broken)} not hold."
 
 

@@ -124,7 +124,7 @@ FORMAT: Field[FileChoice] = Field(
 RATE = _field(
     "Rate of the file [1/s]",
     "rate",
-    "For the next file that is opened and does not say its own",
+    "Frame rate of the next opened file that does not state its own",
     ends=(1.0, _FASTEST),
     there=lambda choice: choice.rate_needed,
 )
@@ -139,7 +139,7 @@ OPTIONS = (
     _field(
         "Padding before and after [s]",
         "pad",
-        "Standing still before the motion and after it",
+        "Time for which the robot stands before and after the motion",
         ends=(0.0, _LONGEST_PAD),
         step=0.1,
         there=lambda choice: choice.takes("pad"),

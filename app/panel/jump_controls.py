@@ -65,20 +65,26 @@ def _slider(
 
 
 SLIDERS = (
-    _slider("Twist [deg]", "About the vertical, positive to the left", "twist", 1.0, scale=_DEG),
-    _slider("Forward [m]", "Along the heading at the start", "forward", 0.01),
-    _slider("Lateral [m]", "Positive to the left", "lateral", 0.01),
-    _slider("Landing height [m]", "Of the landing surface above the start", "height", 0.01),
-    _slider("Speed [m/s]", "Forward at the start", "speed", 0.05, (0.0, _FASTEST)),
+    _slider(
+        "Twist [deg]", "Turn about the vertical, positive to the left", "twist", 1.0, scale=_DEG
+    ),
+    _slider("Forward [m]", "Landing place along the initial heading", "forward", 0.01),
+    _slider("Lateral [m]", "Landing place to the side, positive to the left", "lateral", 0.01),
+    _slider("Landing height [m]", "Height of the landing surface above the start", "height", 0.01),
+    _slider("Speed [m/s]", "Forward speed at the start", "speed", 0.05, (0.0, _FASTEST)),
     _slider(
         "End speed [m/s]",
-        "Forward at the end, along the landing's heading",
+        "Forward speed at the end, along the landing's heading",
         "end_speed",
         0.05,
         (0.0, _FASTEST),
     ),
     _slider(
-        "Hops", "Jumps in a row, each as far as the sliders say", "hops", 1.0, (1.0, MOST_HOPS)
+        "Hops",
+        "Number of jumps in a row, each as far as the sliders say",
+        "hops",
+        1.0,
+        (1.0, MOST_HOPS),
     ),
 )
 
@@ -188,7 +194,7 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
         ),
         Field(
             "Arms",
-            "Free to move and shape the inertia, or held as they hang",
+            "Let the planner move the arms, or hold them as they hang",
             get=lambda jump: jump.arms.capitalize(),
             put=lambda jump, shown: replace(jump, arms=shown.lower()),
             options=tuple(choice.capitalize() for choice in ARMS),

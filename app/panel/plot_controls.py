@@ -47,13 +47,13 @@ def _with_removable(choice: PlotChoice, name: str) -> PlotChoice:
 _SHOWN: tuple[Field[PlotChoice], ...] = (
     Field(
         "Plot area",
-        "Charts over time below the picture, as wide as it",
+        "Show charts over time below the picture",
         get=lambda choice: choice.open,
         put=lambda choice, on: replace(choice, open=on),
     ),
     Field(
         "Preset",
-        "Charts shown together",
+        "Set of charts",
         get=lambda choice: choice.preset,
         put=_with_preset,
         options=(*PRESETS, OWN),
@@ -76,14 +76,14 @@ _SHOWN: tuple[Field[PlotChoice], ...] = (
 _OFFERED: tuple[Field[PlotChoice], ...] = (
     Field(
         "Quantity",
-        "To be added as a chart",
+        "Quantity to add as a chart",
         get=lambda choice: SIGNALS[choice.offered.signal].title,
         put=lambda choice, title: replace(choice, offered=ChartChoice(_KEYS[title])),
         options=tuple(_KEYS),
     ),
     Field(
         "Component",
-        "Axes, feet or joints: together, or a chart each",
+        "Axes, feet or joints, in one chart or in one chart each",
         get=_component,
         put=_with_component,
         options=lambda choice, layers: components_offered(choice.offered.signal, layers[::-1]),
@@ -91,7 +91,7 @@ _OFFERED: tuple[Field[PlotChoice], ...] = (
 )
 _REMOVED: Field[PlotChoice] = Field(
     "Chart",
-    "To be removed",
+    "Chart to remove",
     get=lambda choice: name_of(choice.to_remove),
     put=_with_removable,
     options=lambda choice, _: tuple(map(name_of, choice.charts)),

@@ -83,7 +83,7 @@ def _is_pushed(scenario: Scenario) -> bool:
 BOARD: tuple[Field[Scenario], ...] = (
     Field(
         "Board [mm]",
-        "Slid under the robot in mid-flight",
+        "Height of a board that is slid under the robot in flight",
         get=lambda scenario: 1000 * scenario.board,
         put=_with_board,
         ends=_thickest,
@@ -92,7 +92,7 @@ BOARD: tuple[Field[Scenario], ...] = (
     ),
     Field(
         "Half board",
-        "Under the front feet only, or under the front half of soles side by side",
+        "The board lies under the front feet only, or the front half of soles side by side",
         get=lambda scenario: scenario.half_board,
         put=lambda scenario, on: replace(scenario, half_board=on and scenario.board > 0),
     ),
@@ -100,13 +100,13 @@ BOARD: tuple[Field[Scenario], ...] = (
 PUSH: tuple[Field[Scenario], ...] = (
     Field(
         "Push",
-        "A push on the trunk, where the timeline stands: drag its arrow's tip",
+        "Push the trunk at the current time; drag the tip of its arrow",
         get=_is_pushed,
         put=_with_pushes,
     ),
     Field(
         "Push at [s]",
-        "When it begins",
+        "Time at which the push begins",
         get=lambda scenario: _first(scenario).time,
         put=lambda scenario, shown: _with_first(scenario, time=shown),
         ends=(0.0, _LATEST),
@@ -116,7 +116,7 @@ PUSH: tuple[Field[Scenario], ...] = (
     *(_impulse(axis) for axis in range(3)),
     Field(
         "Replan",
-        "Plan flight and landing anew, 50 times a second, from what is measured",
+        "Replan flight and landing 50 times a second from measurements",
         get=lambda scenario: scenario.replan,
         put=lambda scenario, on: replace(scenario, replan=on),
     ),
@@ -124,13 +124,13 @@ PUSH: tuple[Field[Scenario], ...] = (
 DISTURBANCE: tuple[Field[Scenario], ...] = (
     Field(
         "Disturb",
-        "Trunk mass, friction, contacts, delay and noise that the controller ignores",
+        "Vary trunk mass, friction, contacts, delay and noise, unknown to the controller",
         get=lambda scenario: scenario.seed is not None,
         put=_with_seed,
     ),
     Field(
         "Seed",
-        "Which disturbance is drawn",
+        "Number of the disturbance",
         get=lambda scenario: scenario.seed or 0,
         put=lambda scenario, shown: replace(scenario, seed=round(shown)),
         ends=(0.0, _LARGEST_SEED),
@@ -139,7 +139,7 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
     ),
     Field(
         "Estimator",
-        "From which the controller knows where the robot is: "
+        "State estimate the controller uses: "
         + "; ".join(f"{name}, {kind.summary}" for name, kind in ESTIMATORS.items()),
         get=lambda scenario: scenario.estimator,
         put=lambda scenario, name: replace(scenario, estimator=name),

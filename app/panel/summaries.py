@@ -29,7 +29,7 @@ def plan_status(
 ) -> Status:
     """That a plan is there, after a remark; or the nearest to what was asked for, and why."""
     if wanted is not None:
-        nearest = changes(wanted, plan.jump) or "all but the same as asked for"
+        nearest = changes(wanted, plan.jump) or "almost the request"
         return Status(Verdict.NEAREST, remark, points=(_sentence(nearest), _sentence(reason)))
     values = figures_of_plan(plan)
     words = InWords(values)
@@ -47,7 +47,7 @@ def plan_status(
 
 def refused_status(reason: str, remark: str = "") -> Status:
     """That there is no plan, and none near it."""
-    points = _sentence(reason), "No jump near it is known."
+    points = _sentence(reason), "No similar feasible jump is known."
     return Status(Verdict.INFEASIBLE, remark, points=points)
 
 

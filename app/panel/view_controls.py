@@ -45,13 +45,13 @@ BOXES: dict[str, Field[View]] = {
 SWITCHES: tuple[Field[View], ...] = (
     Field(
         "Keyboard shortcuts",
-        "Space, arrows, Home and End for the motion; 0 to 3, F and P for the picture",
+        "Keys for the motion (space, arrows, Home, End) and the picture (0 to 3, F, P)",
         lambda view: view.shortcuts,
         lambda view, on: replace(view, shortcuts=on),
     ),
     Field(
         "Dark mode",
-        "A dark page",
+        "Show the page in dark colours",
         lambda view: view.night,
         lambda view, on: replace(view, night=on),
     ),

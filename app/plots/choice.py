@@ -10,7 +10,7 @@ ALL = "all"
 EACH = "a chart each"
 
 OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
-OWN = "Own choice"  # Name of charts that are no preset
+OWN = "Custom"  # Name of charts that are no preset
 
 MOST_SIGNALS = 4  # in one chart
 MOST_CHARTS = 12  # Choices of charts in one tab; each may be as many charts as a robot has joints

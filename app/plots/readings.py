@@ -29,7 +29,7 @@ def rows_of(part: str, robot: Robot) -> dict[str, ChartChoice]:
             "Position" if sliding else "Angle": ChartChoice("joint_position", (part,)),
             "Speed": ChartChoice("joint_velocity", (part,)),
             "Force" if sliding else "Torque": ChartChoice("joint_torque", (part,)),
-            "Of what it has": ChartChoice("saturation", (part,)),
+            "Torque used": ChartChoice("saturation", (part,)),
         }
     leg = next((leg.name for leg in robot.legs if foot_name(leg.name) == part), None)
     if leg is None:

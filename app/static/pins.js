@@ -43,7 +43,7 @@
       bar.replaceChildren(...(chips.length < 2 ? [] : [
         ...chips.map((each, i) => chip(each, i - 1)),
         element("button", { type: "button", "aria-pressed": beside,
-          title: "The pinned robots beside the one that is shown, under the same camera",
+          title: "Show the pinned robots beside this one, under the same camera",
           onclick: () => page.send({ kind: "beside", on: !beside }) }, "Side by side"),
       ]));
     },

@@ -88,7 +88,7 @@ def use_pinned(state: TabState) -> Step:
         return state, ()
     design = state.pins[state.pin_chosen].design
     if design is None:
-        body = "A motion of another tool is for looking: it does not say its design."
+        body = "Imported motions have no design to use."
         return state, (Notify("Not used", body),)
     return choose_design(state, design)
 

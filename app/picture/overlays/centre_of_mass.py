@@ -24,7 +24,7 @@ class CentreOfMass(Overlay):
     root = "/com"
     group = Group.INERTIA
     title = "Centre of mass"
-    hint = "Of the whole robot, as the model or the simulation has it."
+    hint = "Centre of mass of the whole robot, from the model or the simulation."
     place = 20
     tints = (colours.COM,)
     at_first = True

@@ -61,7 +61,7 @@ class FrictionPyramids(Overlay):
     name = "friction"
     group = Group.FORCES
     title = "Friction pyramids"
-    hint = "A standing foot's force stays inside: the pyramid in the cone of the plan's friction."
+    hint = "A standing foot's force stays in this pyramid, inscribed in the plan's friction cone."
     place = 100
     tints = (colours.FRICTION,)
     root = "/pyramids"
@@ -89,7 +89,7 @@ class CentreOfPressure(Overlay):
     name = "pressure"
     group = Group.FORCES
     title = "Centre of pressure"
-    hint = "Where the ground's whole force acts: the feet, weighted by the load that they carry."
+    hint = "Point where the resultant ground force acts: the feet, weighted by their loads."
     place = 120
     tints = (colours.FORCE,)
     root = "/zmp"

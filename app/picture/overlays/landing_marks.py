@@ -35,7 +35,7 @@ class LandingMarks(Overlay):
     root = "/target"
     group = Group.FOOTHOLDS
     title = "Landing handle"
-    hint = "Where the feet shall land; drag the arrows, or the ring, to move the landing."
+    hint = "Target footholds; drag the arrows or the ring to move the landing."
     place = 60
     tints = (colours.TARGET,)
     at_first = True

@@ -30,7 +30,7 @@ class NewPlans(Overlay):
     name = "new-plans"
     group = Group.FOOTHOLDS
     title = "New plans"
-    hint = "With replanning: the plan that is followed, its centre of mass and footholds."
+    hint = "The plan that is followed after replanning: its centre of mass and footholds."
     place = 80
     at_first = True
     parts = frozenset({"robot", "planned", "rollout"})

@@ -31,7 +31,7 @@ class FeetReach(Overlay):
     name = "reach"
     group = Group.FOOTHOLDS
     title = "Foot workspace"
-    hint = "Where the plan lets each foot be: a box about its hip, within two distances from it."
+    hint = "Region in which the plan keeps each foot: a box, within two distances from its hip."
     place = 140
     tints = (colours.REACH,)
     root = "/regions"

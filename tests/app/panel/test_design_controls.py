@@ -46,8 +46,8 @@ def test_an_example_is_handed_over(page, tab):
 def test_what_is_shown_is_named_with_its_note(tab):
     design = EXAMPLES["anymal-board"]
     tab.controls_of_page.show(design, "a <b> & note", FileChoice(), "")
-    tab.wait(lambda: "a &lt;b&gt; &amp; note" in html(tab)["content"], "the note")
-    assert html(tab)["visible"]
+    tab.wait(lambda: html(tab)["visible"], "the note")
+    assert "a &lt;b&gt; &amp; note" in html(tab)["content"]
     assert tab.value("Example") == design.title
     tab.controls_of_page.show(Design(Jump()), "", FileChoice(), "")
     tab.wait(lambda: not html(tab)["visible"], "no note")

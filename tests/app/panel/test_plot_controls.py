@@ -34,7 +34,7 @@ def test_menus_and_buttons_choose_charts(tab, chosen):
     tab.set("Component", "RH z")
     tab.press("Add chart")
     chosen(lambda plots: plots.charts == (*DEFAULT.charts, FEET), "the fifth chart")
-    tab.wait(lambda: tab.control("Preset")["value"] == "Own choice", "no preset")
+    tab.wait(lambda: tab.control("Preset")["value"] == "Custom", "no preset")
     tab.wait(lambda: tab.value("Chart") == "Foot force, RH z", "the last one, to be removed")
     tab.set("Chart", "CoM position, z")
     tab.press("Remove chart")

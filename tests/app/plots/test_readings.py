@@ -41,9 +41,9 @@ def test_a_joint_has_an_angle_in_degrees_of_plan_and_simulation(layers):
 def test_torque_stands_beside_the_share_of_what_is_there(layers):
     found, _ = rows("LF_KFE", layers)
     assert found["Torque"]["unit"] == "Nm"
-    assert found["Of what it has"]["unit"] == "%"
+    assert found["Torque used"]["unit"] == "%"
     # The limit's own line is no motion's.
-    assert len(found["Of what it has"]["lines"]) == 2
+    assert len(found["Torque used"]["lines"]) == 2
 
 
 def test_a_foot_has_a_force_and_the_trunk_its_attitude(layers):
