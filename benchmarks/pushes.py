@@ -2,12 +2,14 @@
 
     python -m benchmarks.pushes --out pushes.jsonl
     python -m benchmarks.pushes --random 200 --out pushes.jsonl
+    python -m benchmarks.pushes --robots anymal@17,anymal@133 --random 12 --size 22.2 --out f.jsonl
 
 A table of the largest impulse on the trunk that is recovered from (the strict measure without the
 feet's place) in 18 of 20 seeds, by direction and moment. Impulses are the rungs of a fixed ladder;
 each cell climbs or descends it from a first guess and then bisects, and a rung is given up at its
 third failure. With `--random`, that many pushes of random direction and moment, of a size of which
-half is recovered from without replanning. With `--replans`, how long so many of them take.
+half is recovered from without replanning, or of `--size`. `ROBOT@DEG` is a twist on the spot by so
+many degrees in place of the robot's jump below. With `--replans`, how long so many of them take.
 
 Everything is disturbed. What is done is appended to the file, and not done again.
 """
@@ -69,9 +71,15 @@ class Cell:
     seeds: tuple[int, int]
 
 
+def jump_of(robot: str) -> llsrbm.Jump:
+    """Of a robot's name, or `ROBOT@DEG`."""
+    name, _, twist = robot.partition("@")
+    return llsrbm.Jump(robot=name, twist=math.radians(float(twist))) if twist else JUMPS[name]
+
+
 @lru_cache
 def plan_of(robot: str) -> Any:
-    return llsrbm.plan(JUMPS[robot])
+    return llsrbm.plan(jump_of(robot))
 
 
 def recovered(robot: str, scenario: llsrbm.Scenario) -> bool:
@@ -94,7 +102,7 @@ def largest(passes: Callable[[int], bool], guess: int) -> int:
 
 
 def guess_for(robot: str) -> int:
-    size = FIRST_GUESS * load_robot(robot).mass
+    size = FIRST_GUESS * load_robot(jump_of(robot).robot).mass
     return min(range(len(LADDER)), key=lambda rung: abs(math.log(LADDER[rung] / size)))
 
 
@@ -140,9 +148,15 @@ def one_random(work: tuple[str, float, bool, int]) -> bool:
 
 
 def random_pushes(
-    pool: Any, robot: str, count: int, first: int, modes: Iterable[bool], done: list[dict[str, Any]]
+    pool: Any,
+    robot: str,
+    count: int,
+    first: int,
+    modes: Iterable[bool],
+    done: list[dict[str, Any]],
+    size: float,
 ) -> Iterator[dict[str, Any]]:
-    """How many of `count` random pushes are recovered from, of a size that half of them are not."""
+    """How many of `count` random pushes of a size are recovered from; 0: that half of them are."""
 
     def survived(size: float, replan: bool, seeds: range) -> int:
         work = [(robot, size, replan, seed) for seed in seeds]
@@ -153,7 +167,7 @@ def random_pushes(
     known = [row for row in done if common.items() <= row.items()]
     if known:
         size = known[0]["size"]
-    else:
+    elif not size:
         half = len(sizing) / 2
         rung = largest(lambda rung: survived(LADDER[rung], False, sizing) >= half, guess_for(robot))
         size = LADDER[max(rung, 0)]
@@ -228,6 +242,7 @@ def main(
     moments: Annotated[str, typer.Option(help="Part of the names; all if empty.")] = "",
     directions: Annotated[str, typer.Option(help="Such as +x,-z; all if empty.")] = "",
     random: Annotated[int, typer.Option(help="So many random pushes instead.")] = 0,
+    size: Annotated[float, typer.Option(help="Theirs, N s; 0: half are recovered from.")] = 0.0,
     replans: Annotated[int, typer.Option(help="So many replans are timed instead.")] = 0,
     jobs: int = 2,
 ) -> None:
@@ -248,7 +263,7 @@ def main(
             return
         if random:
             for robot in robots.split(","):
-                keep(random_pushes(pool, robot, random, first, modes, done))
+                keep(random_pushes(pool, robot, random, first, modes, done, size))
         else:
             cells = [
                 Cell(robot, moment, direction, mode, (first, last))

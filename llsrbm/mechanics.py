@@ -69,6 +69,34 @@ def quaternions(rotation: Array) -> Array:
     return flat.reshape(*rotation.shape[:-2], 4)
 
 
+def rotation_vectors(rotation: Array) -> Array:
+    """Rotation vectors (..., 3) rad of matrices (..., 3, 3), the shorter way; NaN of what is none.
+
+    SciPy raises at numbers such as a solver that diverges leaves.
+    """
+    flat = rotation.reshape(-1, 3, 3)
+    known = np.isfinite(flat).all(axis=(1, 2))
+    vectors = np.full((len(flat), 3), np.nan)
+    vectors[known] = Rotation.from_matrix(flat[known]).as_rotvec()
+    return vectors.reshape(*rotation.shape[:-2], 3)
+
+
+def turns_between(start: Array, end: Array, *, body_axes: bool = False) -> Array:
+    """Rotation vectors (..., 3) rad from attitudes (..., 4) to others, the shorter way.
+
+    In world axes or the body's; NaN where an attitude is none, as of `rotation_vectors`.
+    """
+    pairs = np.concatenate([start, end], axis=-1).reshape(-1, 8)
+    known = np.isfinite(pairs).all(axis=1) & pairs[:, :4].any(axis=1) & pairs[:, 4:].any(axis=1)
+    first, last = (
+        Rotation.from_quat(pairs[known, half], scalar_first=True)
+        for half in (slice(0, 4), slice(4, 8))
+    )
+    vectors = np.full((len(pairs), 3), np.nan)
+    vectors[known] = (first.inv() * last if body_axes else last * first.inv()).as_rotvec()
+    return vectors.reshape(*start.shape[:-1], 3)
+
+
 def sign_continuous(quat: Array) -> Array:
     """The same attitudes, signed such that neighbours in time (axis 0) are close, (K, ..., 4)."""
     if len(quat) < 2:

@@ -258,6 +258,8 @@ def _standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
     corners = corners - [0.0, 0.0, robot.foot_lift]
     arm = (legs[:, None] + corners @ R_world_base).reshape(-1, 3)
     grasp = np.concatenate([np.tile(np.eye(3), len(arm)), np.concatenate(skew(arm), axis=1)])
+    if not np.isfinite(grasp).all():
+        return np.full(len(angles), np.nan)
     force = (np.linalg.pinv(grasp) @ effort[0, :_BASE]).reshape(1, -1, 3)
     torque: Array = (effort - _contact_effort(robot, position, arm[None], force))[0, _BASE:]
     return torque

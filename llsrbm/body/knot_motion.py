@@ -16,9 +16,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import cross, rotation_matrices, slerp
+from llsrbm.mechanics import cross, rotation_matrices, slerp, turns_between
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
 
@@ -71,7 +70,7 @@ class States:
 def states(robot: Robot, motion: KnotMotion) -> tuple[States, States]:
     """The N + 1 knots and the middles of the N intervals."""
     dt = np.diff(motion.time)
-    rate = _turns(motion.base_quat[:-1], motion.base_quat[1:]) / dt[:, None]
+    rate = turns_between(motion.base_quat[:-1], motion.base_quat[1:]) / dt[:, None]
     # Flying feet are seen from the CoM in base axes, where they move on straight lines.
     seen = (motion.foot_position - motion.com[:, None]) @ rotation_matrices(motion.base_quat)
     seen_rate = np.diff(seen, axis=0) / dt[:, None, None]
@@ -81,7 +80,7 @@ def states(robot: Robot, motion: KnotMotion) -> tuple[States, States]:
         return knots, middles
     standing, feet = motion.standing, motion.foot_quat
     rests = standing[..., None]
-    foot_rate = _turns(feet[:-1], feet[1:]) / dt[:, None, None]
+    foot_rate = turns_between(feet[:-1], feet[1:]) / dt[:, None, None]
     flying = slerp(feet[:-1], feet[1:], np.array(0.5))
     return (
         replace(knots, foot_quat=feet, foot_omega=_flying(_means(foot_rate, dt), standing)),
@@ -153,13 +152,6 @@ def _foot_velocity(
         com_velocity[:, None] + seen_rate @ np.swapaxes(R_world_base, -1, -2) + turning
     )
     return velocity
-
-
-def _turns(start: Array, end: Array) -> Array:
-    """Rotation vectors (..., 3) rad, world frame, between attitudes (..., 4), the shorter way."""
-    first, last = (Rotation.from_quat(q.reshape(-1, 4), scalar_first=True) for q in (start, end))
-    turns: Array = (last * first.inv()).as_rotvec().reshape(*start.shape[:-1], 3)
-    return turns
 
 
 def _means(rates: Array, dt: Array) -> Array:

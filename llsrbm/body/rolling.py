@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import rotation_matrices, rotation_vectors
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -45,7 +44,7 @@ def rolled(
     assert in_base is not None
     R_world_foot = rotation_matrices(base_quat)[:, None] @ in_base
     turn = R_world_foot[1:] @ np.swapaxes(R_world_foot[:-1], -1, -2)
-    vector = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_rotvec().reshape(*turn.shape[:2], 3)
+    vector = rotation_vectors(turn)
     radius = np.array([contact.radius for contact in foot_contacts(robot)])[:, None]
     step = radius * np.stack([vector[..., 1], -vector[..., 0]], axis=-1)
     for k in range(1, len(away)):

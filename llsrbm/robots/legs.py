@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import apply, cross
+from llsrbm.mechanics import apply, cross, rotation_vectors
 
 Array = NDArray[np.float64]
 
@@ -222,7 +221,7 @@ def foot_task(
         return error, motion.foot_jacobian
     assert motion.foot_rotation is not None
     missing = foot_rotation @ np.swapaxes(motion.foot_rotation, -1, -2)
-    turn = Rotation.from_matrix(missing.reshape(-1, 3, 3)).as_rotvec().reshape(error.shape)
+    turn = rotation_vectors(missing)
     return (
         np.concatenate([error, TURN_ARM * turn], axis=-1),
         np.concatenate([motion.foot_jacobian, TURN_ARM * motion.foot_turning], axis=-2),

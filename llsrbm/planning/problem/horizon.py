@@ -18,7 +18,7 @@ from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
 from llsrbm.planning.problem.elastic import ElasticStage
 from llsrbm.planning.problem.knots import DYNAMICS, Rows
-from llsrbm.planning.problem.layout import BODY_PLACES, Layout
+from llsrbm.planning.problem.layout import BODY, BODY_PLACES, Layout
 from llsrbm.planning.problem.parameters import (
     OWN,
     local_parameters,
@@ -164,9 +164,12 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
         alike = {c: c.bounds(task, layout, knots[0]) for c in constraints if c not in differ}
         for knot in knots:
             if not role.terminal:
-                feet = np.zeros(layout.state_size(layout.roles[knot + 1]) - len(_BODY))
                 yield DYNAMICS, knot, _BODY, _BODY
-                yield None, knot, feet, feet
+                following = layout.roles[knot + 1]
+                for name in layout.states(following):
+                    if name not in BODY:
+                        gap = np.zeros(layout.size(name, following))
+                        yield name, knot, gap, gap
             for constraint in constraints:
                 yield (
                     constraint,
@@ -178,7 +181,7 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
 def evaluated_rows(
     layout: Layout, g: Callable[[Array, Array], Array], task: Task, w: Array
 ) -> dict[Hashable, Rows]:
-    """Values of all rows of g under a task: of each constraint, and of the body's `DYNAMICS`.
+    """Values of all rows of g under a task, as `Knots.rows` has them.
 
     Args:
         layout: of the variables.

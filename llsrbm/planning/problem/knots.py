@@ -30,7 +30,8 @@ from llsrbm.planning.problem.task import Task, contact_points
 Array = NDArray[np.float64]
 
 DYNAMICS = "dynamics"
-"""Rows that are gaps between the body's states and what they follow from."""
+"""Rows that are gaps between the body's states and what they follow from; those of other states are
+under their names."""
 
 AT_KNOTS = (
     "position",
@@ -185,7 +186,7 @@ class Knots:
 
     @cached_property
     def rows(self) -> Mapping[Hashable, Rows]:
-        """Rows of each constraint, and of the dynamics (`DYNAMICS`)."""
+        """Rows of each constraint, of the dynamics (`DYNAMICS`), and of other states' gaps."""
         assert self.evaluate is not None
         return self.evaluate(self.task, self.variables)
 

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import Stop
+from llsrbm.mechanics import GRAVITY, turns_between
 from llsrbm.motion.solve_report import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.constraints.base import JointDemand, Limit
 from llsrbm.planning.problem.knots import DYNAMICS, Knots
-from llsrbm.planning.problem.layout import BODY_PLACES
+from llsrbm.planning.problem.layout import BODY_PLACES, SHIFT, TURNED
 
 Array = NDArray[np.float64]
 
@@ -36,21 +36,38 @@ SCALES = {
 FAR = 20.0
 
 
+# Units of the states that are not the body's; of feet and their velocities the yaw's are others.
+STATE_UNITS = {
+    "feet": "m",
+    "feet_velocity": "m/s",
+    "force": "N",
+    "duration": "s",
+    "arms": "rad",
+    "arms_velocity": "rad/s",
+    TURNED: "rad/s",
+    SHIFT: "m",
+}
+
+
 def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
-    """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8)."""
+    """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8), of all states that there are."""
     gaps = knots.rows[DYNAMICS].values.reshape(len(knots.dt), -1)
     gap = {name: gaps[:, place] for name, place in BODY_PLACES.items()}
-    reached, planned = (
-        Rotation.from_quat(q, scalar_first=True)
-        for q in (knots.quat[1:] - gap["quat"], knots.quat[1:])
-    )
+    turn = turns_between(knots.quat[1:] - gap["quat"], knots.quat[1:], body_axes=True)
     defects = {
         "dynamics_position": ("m", gap["position"]),
         "dynamics_velocity": ("m/s", gap["velocity"]),
-        "dynamics_attitude": ("rad", (reached.inv() * planned).as_rotvec()),
+        "dynamics_attitude": ("rad", turn),
         "dynamics_momentum": ("kg m2/s", gap["momentum"] * knots.task.mass),
     }
-    return {name: (unit, np.abs(error).max(axis=1)) for name, (unit, error) in defects.items()}
+    found = {name: (unit, np.abs(error).max(axis=1)) for name, (unit, error) in defects.items()}
+    unit_force = knots.task.mass * GRAVITY / knots.layout.contacts
+    for name, unit in STATE_UNITS.items():
+        if (rows := knots.rows.get(name)) is not None:
+            amount = np.zeros(len(knots.dt))
+            np.maximum.at(amount, rows.knot, np.abs(rows.values))
+            found[f"dynamics_{name}"] = unit, amount * (unit_force if unit == "N" else 1.0)
+    return found
 
 
 def violations(knots: Knots) -> dict[str, Violation]:

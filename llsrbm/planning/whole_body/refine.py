@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan, Refinement, Violation
-from llsrbm.ocp.horizon import Solution
-from llsrbm.ocp.progress import interruptible
+from llsrbm.ocp.horizon import Problem, Solution
+from llsrbm.ocp.progress import interruptible, solving
 from llsrbm.ocp.solvers import Fatrop, SolveOptions, Solver
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.progress import Progress, Watch
@@ -86,16 +86,18 @@ class Refiner:
                 solution = watch.over(solve)
                 iterations += solution.iterations
                 seconds += solution.solve_time_s
-                found = self._violations(solution, plan, start)
+                found = self._violations(solution, problem, plan, start)
                 # Where its rows hold a motion can be done, whether or not it is the nearest one.
                 solved = all(violation.amount <= TOLERANCE for violation in found.values())
-                if solved:
+                if solved or not np.isfinite(solution.variables).all():
                     break
                 guess = solution.variables
+            if not solved:
+                break
             motion = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
             q, quat = motion.at(start.time).q, start.state["quat"]
             apart = Apart.near(q, start.time, quat, self.robot, start.solids, start.apart)
-            if not solved or apart.holds:
+            if apart.holds:
                 break
             start, guess = replace(start, apart=apart), solution.variables
         else:
@@ -119,16 +121,20 @@ class Refiner:
         )
         return replace(result, refinement=report)
 
-    def _violations(self, solution: Solution, plan: Plan, start: Start) -> dict[str, Violation]:
-        """The largest violation of each kind of rows, of a solution as it is."""
-        problem = make_problem(self.robot, self.grid, start)
-        g = np.array(self.solver.function("nlp_g")(solution.variables, problem.parameters)).ravel()
+    def _violations(
+        self, solution: Solution, problem: Problem, plan: Plan, start: Start
+    ) -> dict[str, Violation]:
+        """The largest violation of each kind of rows, of a solution as it is; NaN is the worst."""
+        with solving:
+            g = self.solver.function("nlp_g")(solution.variables, problem.parameters)
+        g = np.array(g).ravel()
         found: dict[str, Violation] = {}
         at = 0
         for name, knot, instant, low, high in rows(self.robot, self.grid, start):
             values = g[at : at + len(low)]
             at += len(low)
             amount = float(np.max(np.maximum(low - values, values - high), initial=0.0))
+            amount = amount if np.isfinite(amount) else np.inf
             name = name or "continuity"
             if name not in found or amount > found[name].amount:
                 phase = int(self.grid.phase[min(knot, self.grid.intervals - 1)])

@@ -27,7 +27,7 @@ from llsrbm.planning.problem.constraints.motion import (
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
 from llsrbm.planning.problem.constraints.stops import JointStops
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed, PutDown
-from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, TurnsOver
+from llsrbm.planning.problem.constraints.truth import LegsReach, Rolling, TrueTurn, TurnsOver
 from llsrbm.planning.problem.constraints.turn import FootTurn, FootYaw
 
 __all__ = ["AGREED", "CONSTRAINTS", "Constraint"]
@@ -60,6 +60,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     GivenUp(),
     TrueTurn(),
     Rolling(),
+    LegsReach(),
     TurnsOver(),
 )
 

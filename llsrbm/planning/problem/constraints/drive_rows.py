@@ -145,6 +145,8 @@ class DriveConstraint(AgreedConstraint):
         """The joint with the largest share over the interval."""
         interval, robot = min(knot, len(knots.dt) - 1), knots.task.robot
         shares = np.abs(self.checked_shares(knots)[interval]) / self.tops(knots.task)[:, None]
+        if np.isnan(shares).all():
+            return None
         where, joint = np.unravel_index(np.nanargmax(shares), shares.shape)
         place = interval, int(where), int(joint)
         has, unit = self._has(knots, place, value)

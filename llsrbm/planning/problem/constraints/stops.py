@@ -129,6 +129,8 @@ class JointStops(AgreedConstraint):
     def leaning(self, knots: Knots, knot: int, value: float) -> JointNeed | None:
         """The joint that is nearest to a stop."""
         task = knots.task
+        if not len(task.stopped_joints):
+            return None
         angles, (lower, upper) = knots.postures.joint_position[knot], task.robot.joint_stops
         joints = task.stopped_joints
         shares = np.minimum(angles - lower, upper - angles) / (upper - lower)

@@ -23,6 +23,9 @@ BEARABLE = 0.09
 BEARABLE_TURNING = 0.02
 # How far a body that turns over leans at most on its way, at least, rad: 180 deg but for a twist.
 OVER = np.radians(150.0)
+# By how much legs may miss their feet's places under models that are there for comparison, m: they
+# put the hips a centimetre or two off.
+COMPARED_MISS = 0.02
 ROLLED_OFF = 0.003  # m by which feet may stand beside where they have rolled
 
 
@@ -64,6 +67,23 @@ class TrueTurn(CheckAlone):
                 bearable = BEARABLE_TURNING if knots.layout.turns else BEARABLE
                 out[flight.stop] = max(turn - bearable, 0.0)
         return out
+
+
+class LegsReach(CheckAlone):
+    """Legs reach where the plan has their feet, at the knots and half way between them.
+
+    What inverse kinematics misses no robot can do, and every other check by the whole body would be
+    of another motion.
+    """
+
+    name = "legs_reach"
+    unit = "m"
+
+    def violation(self, knots: Knots) -> Array:
+        """Of the foot that misses most, at each knot or over the interval after it."""
+        out = knots.postures.residual_m.copy()
+        out[:-1] = np.maximum(out[:-1], knots.loads.foot_residual)
+        return out if knots.model.is_true else np.maximum(out - COMPARED_MISS, 0.0)
 
 
 class TurnsOver(CheckAlone):

@@ -157,6 +157,15 @@ def joint_stops():
     return knots, 0.5, "flight", MIDDLE
 
 
+def legs_reach():
+    """A foot that misses its place by 12 cm, of which comparison is given two."""
+    knots = replace(base())
+    missed = base().postures.residual_m.copy()
+    missed[MIDDLE] = 0.12
+    vars(knots)["postures"] = replace(base().postures, residual_m=missed)
+    return knots, 0.1, "flight", MIDDLE
+
+
 def final_state():
     turned = Rotation.from_rotvec([0.02, 0, 0]) * Rotation.from_quat(
         base().quat[-1], scalar_first=True
@@ -179,6 +188,7 @@ BROKEN = [
     torque_at_speed,
     joint_speed,
     joint_stops,
+    legs_reach,
     final_state,
 ]
 

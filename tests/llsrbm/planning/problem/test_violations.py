@@ -3,7 +3,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.motion.solve_report import Violation
-from llsrbm.planning.problem.constraints import CONSTRAINTS
+from llsrbm.planning.problem.constraints import AGREED, CONSTRAINTS
+from llsrbm.planning.problem.constraints.truth import correction
+from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import (
     TOLERANCE,
@@ -14,7 +16,7 @@ from llsrbm.planning.problem.violations import (
     violations,
 )
 from llsrbm.robots import load_robot
-from tests.llsrbm.planning.solved import changed, solved
+from tests.llsrbm.planning.solved import changed, solved, variable
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +60,7 @@ def test_a_lost_force_is_a_lost_acceleration(knots):
 def test_names_and_phases(knots):
     found = violations(knots)
     dynamics = ["position", "velocity", "attitude", "momentum"]
+    dynamics += ["feet", "feet_velocity", "force", "duration"]
     # There is nothing in the way that the body would have to clear, and nothing is given up.
     unchecked = ("body_clearance", "given_up")
     constraints = [c.name for c in CONSTRAINTS if c.name not in unchecked]
@@ -67,13 +70,59 @@ def test_names_and_phases(knots):
         assert 0 <= violation.time <= knots.time[-1]
 
 
-def test_what_is_no_number_is_the_worst(knots):
-    k = knots.flights[0].start + 3
-    found = violations(changed(knots, ("velocity", k, np.nan)))
-    assert found["dynamics_velocity"].amount == np.inf
-    assert found["dynamics_velocity"].phase == "flight"
-    assert not satisfied(found)
-    assert "dynamics_velocity is violated by inf m/s in flight" in describe_worst(found)
+@pytest.mark.parametrize(("request_name", "robot"), [("all", "anymal"), ("twist", "slider")])
+@pytest.mark.parametrize("number", [np.nan, np.inf, 0.0])
+def test_what_is_no_number_is_the_worst(request_name, robot, number):
+    """Of every variable, as a solver that diverges leaves it: violated, and nothing raises."""
+    knots = solved("llsrbm-plus", request_name, robot).knots
+    layout, places = knots.layout, {}
+    for knot in range(layout.knots):
+        for name, place in layout.variables(knot).items():
+            places.setdefault((name, knot == 0), place)
+    if number == 0.0:  # no attitude either
+        places = {"quat": layout.variables(5)["quat"]}
+    else:
+        places["all"] = slice(None)
+    for name, place in places.items():
+        w = knots.variables.copy()
+        w[place] = number
+        with np.errstate(all="ignore"):
+            diverged = unpack(w, layout, knots.task, knots.model, knots.evaluate)
+            found = violations(diverged)
+            assert not satisfied(found), name
+            assert np.inf in [violation.amount for violation in found.values()], name
+            assert "is violated by inf" in describe_worst(found, diverged)
+            assert stops(diverged)
+            for constraint in AGREED:
+                constraint.agreed_bounds(diverged)
+                constraint.leaning(diverged, 3, 1.0)
+            assert not np.isfinite(correction(diverged)).all() or name != "all"
+
+
+@pytest.mark.parametrize(
+    ("name", "k", "unit", "scale"),
+    [
+        ("feet", 20, "m", 1.0),
+        ("feet_velocity", 20, "m/s", 1.0),
+        ("force", 5, "N", 30.4754 * 9.81 / 4),
+        ("duration", 5, "s", 1.0),
+    ],
+)
+def test_gaps_of_every_state_are_violations(knots, name, k, unit, scale):
+    value = variable(knots, name, k)
+    value[0] += 0.02
+    found = violations(changed(knots, (name, k, value)))[f"dynamics_{name}"]
+    assert found.amount == pytest.approx(0.02 * scale, rel=1e-6)
+    assert found.unit == unit
+    assert found.time in knots.time[[k - 1, k]]
+
+
+def test_legs_that_are_too_short_are_a_violation(knots):
+    """Feet a metre below their hips, of legs that are half as long, by inverse kinematics."""
+    feet = variable(knots, "feet", 20).reshape(4, 3) - [0.0, 0.0, 0.6]
+    found = violations(changed(knots, ("feet", 20, feet.ravel())))["legs_reach"]
+    assert found.amount > 0.3
+    assert found.phase == "flight"
 
 
 def test_the_tolerance_counts_as_satisfied():

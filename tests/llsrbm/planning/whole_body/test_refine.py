@@ -11,7 +11,9 @@ import llsrbm
 from llsrbm.body.efforts import efforts
 from llsrbm.certificate import certify
 from llsrbm.motion.sampling import resample
+from llsrbm.ocp.horizon import Solution
 from llsrbm.planning.whole_body import refine
+from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import line
 from llsrbm.robots import load_robot
 
@@ -141,6 +143,25 @@ def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
     assert not kept.refined
     assert kept.refinement.status == "not-converged"
     np.testing.assert_array_equal(kept.joint_position, first.joint_position)
+
+
+def test_where_a_solver_diverges_the_first_plan_stays(monkeypatch):
+    """Its last knots are no numbers: rows of earlier ones hold, and no distances are measured."""
+    first, _, _ = plans()
+    refiner, measured = refine.refiner_of(first), []
+
+    def diverged(problem, guess, options, watch):
+        variables = guess.copy()
+        variables[-40:] = np.nan
+        return Solution(variables, guess, True, 3, 0.0, 0.0, np.nan, "diverged")
+
+    near = Apart.near
+    monkeypatch.setattr(refiner.solver, "solve", diverged)
+    monkeypatch.setattr(Apart, "near", lambda *given: measured.append(given) or near(*given))
+    kept = refiner.refine(first)
+    assert kept.refinement.status == "not-converged"
+    np.testing.assert_array_equal(kept.joint_position, first.joint_position)
+    assert len(measured) == 1  # about the plan
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
