@@ -107,7 +107,7 @@ def _opened(path: Path, shown: str, robot: str, fps: float | None) -> OpenedFile
     if not is_native(path):
         motion = load_motion(path, robot, fps=fps)
         _check_motion(motion, shown)
-        return OpenedFile(shown, States.of(motion, robot))
+        return OpenedFile(shown, States.of(motion, robot), motion.remarks)
     holds = load(path, largest=LARGEST_UNPACKED)
     _check_native(holds, shown)
     remarks = _remarks(holds)

@@ -35,11 +35,15 @@ def check_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.certificate import certify
-        from llsrbm.formats import load_any
+        from llsrbm.formats import load_any, remarks_of
 
-        certificate = certify(load_any(file, robot, fps))
+        motion = load_any(file, robot, fps)
+        remarks = remarks_of(motion)
+        console.print_remarks(remarks)
+        certificate = certify(motion)
         result: dict[str, Any] = {
             "file": str(file),
+            "remarks": list(remarks),
             "holds": certificate.holds,
             "certificate": certificate.as_dict(),
         }

@@ -42,10 +42,12 @@ def compare_command(
     column has an asterisk; what fell or did not converge has none.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.formats import load_any
+        from llsrbm.formats import load_any, remarks_of
         from llsrbm.motion.trajectory import json_value
 
         motions = [load_any(file, robot, fps) for file in files]
+        for file, motion in zip(files, motions, strict=True):
+            console.print_remarks(f"{file}: {remark}" for remark in remarks_of(motion))
         rows, titles = [_row(motion) for motion in motions], _titles(motions)
         if as_json:
             designs: list[dict[str, Any]] = [

@@ -7,7 +7,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -92,6 +92,12 @@ def print_result(
         width = max(map(len, lines), default=0)
         for name, value in lines.items():
             print(f"{name:<{width}}  {value}", file=stdout)
+
+
+def print_remarks(remarks: Iterable[str]) -> None:
+    """Print what is not as one would expect, a line each, on stderr."""
+    for remark in remarks:
+        print_error(remark)
 
 
 def print_table(rows: dict[str, str]) -> None:

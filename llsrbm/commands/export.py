@@ -51,7 +51,7 @@ def export_command(
     Options that are left out are as each format has them; see `llsrbm formats --format F`.
     """
     from llsrbm.certificate import certified
-    from llsrbm.formats import export
+    from llsrbm.formats import export, remarks_of
     from llsrbm.motion.trajectory import load
 
     values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order, "packed": packed}
@@ -61,7 +61,9 @@ def export_command(
         given["size"] = tuple(int(n) if n.is_integer() else n for n in pixels)
     if options.is_given(context, "camera"):
         given["camera"] = _numbers("--camera", camera, ",", 3)
-    export(certified(load(file)), out, format=format_, **given)
+    trajectory = load(file)
+    console.print_remarks(remarks_of(trajectory))
+    export(certified(trajectory), out, format=format_, **given)
     return console.DONE
 
 
@@ -79,10 +81,11 @@ def replay_command(
 
     Prints the page's path. It stays where it is and may be passed on.
     """
-    from llsrbm.formats import export, stem
+    from llsrbm.formats import export, remarks_of, stem
     from llsrbm.motion.trajectory import load
 
     trajectory = load(file)
+    console.print_remarks(remarks_of(trajectory))
     if out is None:
         out = Path(tempfile.mkdtemp(prefix="llsrbm-")) / f"{stem(trajectory)}.html"
     export(trajectory, out, format="html")

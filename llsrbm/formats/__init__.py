@@ -13,9 +13,12 @@ from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.files.atomic import staged
 from llsrbm.files.npz import keys
+from llsrbm.formats import plausibility
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.logs import MCAP, RRD
 from llsrbm.formats.motion_npz import MOTION_NPZ
@@ -33,7 +36,7 @@ from llsrbm.request.messages import look_up
 from llsrbm.robots import Robot, load_robot
 
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find", "is_native"]
-__all__ += ["availability", "load_any", "load_motion", "readable", "stem"]
+__all__ += ["availability", "load_any", "load_motion", "readable", "remarks_of", "stem"]
 
 _GROUP = "llsrbm.formats"  # entry points
 
@@ -113,6 +116,19 @@ def load_any(
     Arguments and errors as of `load_motion`.
     """
     return load(path) if is_native(path) else load_motion(path, robot, fps=fps)
+
+
+def remarks_of(motion: Trajectory | WholeBodyMotion) -> tuple[str, ...]:
+    """Sentences on what a motion's numbers cannot mean: see `llsrbm.formats.plausibility`."""
+    if isinstance(motion, WholeBodyMotion):
+        return motion.remarks
+    robot = load_robot(motion.jump.robot)
+    if sorted(motion.joint_names) != sorted(robot.joint_names):
+        return ()  # another robot by now, which whatever is made of it says
+    order = [motion.joint_names.index(name) for name in robot.joint_names]
+    joints = motion.joint_position[:, order]
+    states = np.hstack([motion.base_position, motion.base_quat, joints])
+    return plausibility.remarks(robot, motion.time, states)
 
 
 def is_native(path: str | Path) -> bool:

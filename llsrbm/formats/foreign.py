@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
+from llsrbm.formats import plausibility
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.sampling import FASTEST
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities
@@ -18,7 +20,7 @@ Array = NDArray[np.float64]
 
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
-_HELD = 0.01  # rad or m by which a held joint may be elsewhere: momenta are those of the held one
+_HELD = 0.01  # rad or m by which a held joint may be elsewhere without a remark
 _UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rounding in files
 
 
@@ -34,40 +36,47 @@ def checked_rate(value: Any, where: str) -> float:
     return float(value)
 
 
-def joint_columns(names: Sequence[str], position: Array, robot: Robot, where: str) -> list[int]:
-    """Where each of `Robot.joint_names` is among the file's `names` (n,).
+def joint_columns(
+    names: Sequence[str], position: Array, robot: Robot, where: str
+) -> tuple[list[int], tuple[str, ...]]:
+    """Where each of `Robot.joint_names` is among the file's `names` (n,), and remarks.
 
-    Joints that the robot holds may be among them, all or none; where they are by `position` (K, n),
-    rad or m, counts then.
+    Joints that the robot holds may be among them; where they are by `position` (K, n), rad or m, is
+    left out, with a remark where that is not where the robot holds them.
 
     Raises:
-        FileFormatError: other joints or another number of columns, or held joints that move.
+        FileFormatError: other joints or another number of columns.
     """
-    own = urdf_joints(robot).joints
-    if sorted(names) not in (sorted(robot.joint_names), sorted(own)):
+    known = urdf_joints(robot).joints
+    there = set(names)
+    if len(there) < len(names) or not set(robot.joint_names) <= there <= set(known):
         listed = " ".join(", ".join(names).split()) or "none"  # one line, whatever the names are
+        held = [joint for joint in known if joint not in robot.joint_names]
+        also = f", and may have {', '.join(held)}" if held else ""
         raise FileFormatError(
             f"{where}: has joints {listed:.400}, but robot {robot.name} has "
-            f"{', '.join(robot.joint_names)}; expected the robot that moves in the file"
+            f"{', '.join(robot.joint_names)}{also}; expected the robot that moves in the file"
         )
     if len(names) != position.shape[1]:
         raise FileFormatError(
             f"{where}: expected a name for each of {position.shape[1]} joints, got {len(names)}"
         )
-    if len(names) > len(robot.joint_names):
-        _check_held(dict(zip(names, position.T, strict=True)), robot, where)
-    return [list(names).index(name) for name in robot.joint_names]
+    return [list(names).index(name) for name in robot.joint_names], _of_held(names, position, robot)
 
 
-def _check_held(position: dict[str, Array], robot: Robot, where: str) -> None:
-    for joint, angle in robot.file.urdf.held.items():
-        off = ~(np.abs(position[joint] - angle) <= _HELD)  # NaN is
-        if off.any():
-            found = position[joint][off][0]
-            raise FileFormatError(
-                f"{where}: joint {joint} is at {found:.4g} in the file, but robot {robot.name} "
-                f"holds it at {angle:g}; expected a motion in which it stays there"
-            )
+def _of_held(names: Sequence[str], position: Array, robot: Robot) -> tuple[str, ...]:
+    off = {
+        joint: position[:, list(names).index(joint)] - angle
+        for joint, angle in robot.file.urdf.held.items()
+        if joint in names
+    }
+    farthest = {joint: by[np.abs(by).argmax()] for joint, by in off.items()}
+    moved = [f"{joint} by up to {by:.2g}" for joint, by in farthest.items() if abs(by) > _HELD]
+    if not moved:
+        return ()
+    more = f" and {len(moved) - 3} more" if len(moved) > 3 else ""
+    listed = f"{', '.join(moved[:3])}{more}"
+    return (f"Robot {robot.name} holds joints that move ({listed}): they are left out.",)
 
 
 def checked_motion(
@@ -77,6 +86,9 @@ def checked_motion(
     time: float | Array,
     qpos: Array,
     qvel: Array | None = None,
+    *,
+    remarks: Sequence[str] = (),
+    w_first: bool = True,
 ) -> WholeBodyMotion:
     """The motion of which a file has K states, in MuJoCo's convention, joints in the robot's order.
 
@@ -85,6 +97,7 @@ def checked_motion(
         time: frames/s, or (K,) s from 0 on, increasing, of frames that are not evenly spaced.
         qpos: (K, 7 + J); quaternions of either sign.
         qvel: (K, 6 + J); None: by differences (`llsrbm.motion.whole_body.velocities`).
+        remarks: on the file, before those on its numbers; w_first: the order of its quaternions.
 
     Raises:
         FileFormatError: fewer than two frames or too many, numbers that are not finite or are
@@ -107,11 +120,13 @@ def checked_motion(
         frame = int(np.argmax(off > _UNIT_QUATERNION))
         raise FileFormatError(
             f"{where}: expected unit quaternions, got one of norm {norm[frame]:.4g} in frame "
-            f"{frame}"
+            f"{frame}; Euler angles and exponential maps are not read"
         )
+    raw = qpos
     qpos = np.hstack([qpos[:, :3], qpos[:, 3:7] / norm[:, None], qpos[:, 7:]])
     rate = None if isinstance(time, np.ndarray) else float(time)
     times = time if isinstance(time, np.ndarray) else np.arange(count) / time
+    said = (*remarks, *plausibility.remarks(robot, times, raw, qvel, w_first))
     if qvel is None:
         qvel = velocities(times, qpos)
-    return motion_of_states(robot, origin, times, qpos, qvel, rate)
+    return replace(motion_of_states(robot, origin, times, qpos, qvel, rate), remarks=said)

@@ -38,7 +38,7 @@ from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.mechanics import rotation_matrices
-from llsrbm.motion.bodies import body_motion, body_order, root_com, urdf_joints
+from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
@@ -94,14 +94,14 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         )
     values = checked(arrays, _LAYOUT, path, MOST_FRAMES)
     names = [str(name) for name in values["joint_names"]]
-    columns = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
+    columns, said = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
     quat = values["body_quat_w"][:, 0]
     R_world_base = rotation_matrices(quat / np.linalg.norm(quat, axis=1, keepdims=True))
     angular_velocity = np.einsum("kji,kj->ki", R_world_base, values["body_ang_vel_w"][:, 0])
     velocity = values["body_lin_vel_w"][:, 0]
     if _order(arrays, names, robot, path) == _BREADTH_FIRST:
         # A file without the held joints is of bodies that have what is held welded to them.
-        whole = len(names) == len(urdf_joints(robot).joints)
+        whole = len(names) > len(robot.joint_names)
         lever = root_com(robot) if whole else robot.base.lever
         arm = np.cross(angular_velocity, lever)
         velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
@@ -112,7 +112,7 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     elif fps is None:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
     rate = checked_rate(fps, f"{path}: fps")
-    return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel)
+    return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel, remarks=said)
 
 
 def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:

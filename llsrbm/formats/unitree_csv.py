@@ -12,7 +12,9 @@ nobody tells them; they resample it and take differences, which smears lift-off 
 format "motion-npz" has exact velocities.
 
 Can be opened: with the rate and the joints of the file beside it, else with the rate that is asked
-for and in the robot's order. Velocities are then differences of the frames around, so that impacts
+for and in the robot's order, with held joints or without; of G1 also 27 (no waist roll and pitch)
+and 23 (no wrist pitch and yaw either), as Unitree's training code has them. Held joints that move
+are left out, with a remark. Velocities are then differences of the frames around, so that impacts
 are smeared over two frames; which feet stand is told from how they move.
 """
 
@@ -41,6 +43,12 @@ _WXYZ = [3, 0, 1, 2]
 _WHAT = "rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints [rad, m]"
 _EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
+_WRISTS = frozenset(
+    f"{side}_wrist_{axis}_joint" for side in ("left", "right") for axis in ("pitch", "yaw")
+)
+_WAIST = frozenset(("waist_roll_joint", "waist_pitch_joint"))
+# Joints that tables of G1 leave out: its variants with 27 and with 23.
+_VARIANTS = (_WAIST, _WAIST | _WRISTS)
 _MOST_COLUMNS = 200  # a row of more is not parsed
 
 
@@ -75,13 +83,16 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         raise FileFormatError(
             f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
         )
-    joints = rows[:, 7:][:, _joints(beside, rows[:, 7:], robot, path)]
-    qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], joints])
+    order, said = _joints(beside, rows[:, 7:], robot, path)
+    qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], rows[:, 7:][:, order]])
     fps = checked_rate(rate, f"{path}: fps")
-    return checked_motion(robot, UNITREE_CSV.name, str(path), fps, qpos)
+    origin = UNITREE_CSV.name
+    return checked_motion(robot, origin, str(path), fps, qpos, remarks=said, w_first=False)
 
 
-def _joints(beside: dict[str, Any], position: Array, robot: Robot, path: Path) -> list[int]:
+def _joints(
+    beside: dict[str, Any], position: Array, robot: Robot, path: Path
+) -> tuple[list[int], tuple[str, ...]]:
     named = "joint_order" in beside
     where = f"{path}.meta.json: joint_order" if named else str(path)
     names = beside["joint_order"] if named else list(_orders(robot)[position.shape[1]])
@@ -91,9 +102,15 @@ def _joints(beside: dict[str, Any], position: Array, robot: Robot, path: Path) -
 
 
 def _orders(robot: Robot) -> dict[int, tuple[str, ...]]:
-    """Joints of tables, by their number: those that move, or with the held ones among them."""
-    orders = robot.joint_names, urdf_joints(robot).joints
-    return {len(joints): joints for joints in orders}
+    """Joints of tables, by their number: those that move, or with held ones among them."""
+    whole, moving = urdf_joints(robot).joints, set(robot.joint_names)
+    held = set(whole) - moving
+    variants = (
+        tuple(joint for joint in whole if joint not in missing)
+        for missing in _VARIANTS
+        if missing <= held
+    )
+    return {len(joints): joints for joints in (robot.joint_names, whole, *variants)}
 
 
 def _rows(path: Path, robot: Robot) -> Array:
@@ -104,7 +121,7 @@ def _rows(path: Path, robot: Robot) -> Array:
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
     rows: list[list[float]] = []
-    widths = [7 + count for count in _orders(robot)]
+    widths = sorted(7 + count for count in _orders(robot))
     for number, line in enumerate(lines, start=1):
         columns = line.count(",") + 1
         if columns > _MOST_COLUMNS:
@@ -130,11 +147,19 @@ def _rows(path: Path, robot: Robot) -> Array:
 def _wrong_width(
     path: Path, row: int, columns: int, widths: list[int], robot: Robot
 ) -> FileFormatError:
+    orders = _orders(robot)
+    counts = sorted(width - 7 for width in widths)
+    listed = " or ".join(f"{count} ({_outline(orders[count])})" for count in counts)
+    near = "; Euler angles and exponential maps are not read" if columns + 1 in widths else ""
     return FileFormatError(
-        f"{path}: row {row} has {columns} columns; expected "
-        f"{' or '.join(map(str, widths))}: 7 of the root and "
-        f"{' or '.join(str(width - 7) for width in widths)} joints of robot {robot.name}"
+        f"{path}: row {row} has {columns} columns; expected {' or '.join(map(str, sorted(widths)))}"
+        f": 7 of the root and, of robot {robot.name}, {listed} joints{near}"
     )
+
+
+def _outline(joints: tuple[str, ...]) -> str:
+    """The first and the last, and where two neighbours are not of one limb."""
+    return f"{joints[0]} to {joints[-1]}"
 
 
 UNITREE_CSV = Format(

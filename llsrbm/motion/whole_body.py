@@ -51,6 +51,7 @@ class WholeBodyMotion:
             sole's centre of pressure if that is known.
         joint_torque, joint_torque_limit: (K, J) Nm or N.
         phase: (K,) index into the schedule's phases.
+        remarks: sentences on what a file of another tool cannot mean as it stands.
     """
 
     robot: Robot
@@ -74,6 +75,7 @@ class WholeBodyMotion:
     joint_torque: Array | None = None
     joint_torque_limit: Array | None = None
     phase: NDArray[np.int64] | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def qpos(self) -> Array:

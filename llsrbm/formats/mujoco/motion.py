@@ -71,14 +71,15 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
                 f'{where}: key "{key}": expected {root + len(names)} columns, got '
                 f"{values[key].shape[1]}"
             )
-    order = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
+    order, said = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
     ordered = {
         key: values[key][:, [*range(root), *(root + column for column in order)]]
         for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1))
         if key in values
     }
     time = _times(arrays, values.get("time"), fps, where)
-    return checked_motion(robot, "mujoco", where, time, ordered["qpos"], ordered.get("qvel"))
+    qpos, qvel = ordered["qpos"], ordered.get("qvel")
+    return checked_motion(robot, "mujoco", where, time, qpos, qvel, remarks=said)
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:

@@ -181,16 +181,6 @@ def test_held_joints_are_left_out_again_when_opened(rollout, tmp_path, format_):
     np.testing.assert_allclose(motion.joint_position[-1], rollout.joint_position[-1], atol=1e-6)
 
 
-def test_a_motion_in_which_held_joints_move_is_refused(rollout, tmp_path):
-    path = tmp_path / "jump.csv"
-    export(rollout, path, format="unitree-csv")
-    rows = np.loadtxt(path, delimiter=",")
-    rows[5, 7 + JOINTS.index("waist_yaw_joint")] = 0.3
-    np.savetxt(path, rows, delimiter=",")
-    with pytest.raises(FileFormatError, match=r"waist_yaw_joint is at 0\.3 .* g1 holds it at 0;"):
-        llsrbm.load_motion(path, robot="g1")
-
-
 def test_tables_of_either_width_without_names(rollout, tmp_path):
     path = tmp_path / "jump.csv"
     export(rollout, path, format="unitree-csv", fps=50)
@@ -204,5 +194,5 @@ def test_tables_of_either_width_without_names(rollout, tmp_path):
     with pytest.raises(FileFormatError, match="a name for each of 20 joints, got 29"):
         llsrbm.load_motion(path, robot="g1", fps=50)
     np.savetxt(path, rows[:, :-1], delimiter=",")
-    with pytest.raises(FileFormatError, match=r"35 columns; expected 27 or 36: .* 20 or 29"):
+    with pytest.raises(FileFormatError, match=r"35 columns; expected 27 or 30 or 34 or 36: "):
         llsrbm.load_motion(path, robot="g1", fps=50)

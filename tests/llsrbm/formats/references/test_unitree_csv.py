@@ -141,7 +141,10 @@ GOOD = ["0,0,0.5,0,0,0,1" + ",0" * 12] * 4
     ("lines", "message"),
     [
         (["Frame,root_translateX,root_rotateX", *GOOD], "begins with a header.*ProtoMotions"),
-        ([GOOD[0] + ",0", *GOOD], r"row 1 has 20 columns; expected 19: 7 of the root and 12"),
+        (
+            [GOOD[0] + ",0", *GOOD],
+            r"row 1 has 20 columns; expected 19: 7 of .* anymal, 12 \(",
+        ),
         ([GOOD[0], "0,0,x", *GOOD], "row 2: not all of it is numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "nan")], "expected finite numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "1e200")], "expected finite numbers up to 10000"),
