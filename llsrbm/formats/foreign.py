@@ -126,7 +126,7 @@ def checked_motion(
     qpos = np.hstack([qpos[:, :3], qpos[:, 3:7] / norm[:, None], qpos[:, 7:]])
     rate = None if isinstance(time, np.ndarray) else float(time)
     times = time if isinstance(time, np.ndarray) else np.arange(count) / time
-    said = (*remarks, *plausibility.remarks(robot, times, raw, qvel, w_first))
+    found = (*remarks, *plausibility.remarks(robot, times, raw, qvel, w_first))
     if qvel is None:
         qvel = velocities(times, qpos)
-    return replace(motion_of_states(robot, origin, times, qpos, qvel, rate), remarks=said)
+    return replace(motion_of_states(robot, origin, times, qpos, qvel, rate), remarks=found)

@@ -94,7 +94,7 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         )
     values = checked(arrays, _LAYOUT, path, MOST_FRAMES)
     names = [str(name) for name in values["joint_names"]]
-    columns, said = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
+    columns, found = joint_columns(names, values["joint_pos"], robot, f'{path}: key "joint_names"')
     quat = values["body_quat_w"][:, 0]
     R_world_base = rotation_matrices(quat / np.linalg.norm(quat, axis=1, keepdims=True))
     angular_velocity = np.einsum("kji,kj->ki", R_world_base, values["body_ang_vel_w"][:, 0])
@@ -112,7 +112,7 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     elif fps is None:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
     rate = checked_rate(fps, f"{path}: fps")
-    return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel, remarks=said)
+    return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel, remarks=found)
 
 
 def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:

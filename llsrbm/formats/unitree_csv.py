@@ -83,11 +83,11 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         raise FileFormatError(
             f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
         )
-    order, said = _joints(beside, rows[:, 7:], robot, path)
+    order, found = _joints(beside, rows[:, 7:], robot, path)
     qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], rows[:, 7:][:, order]])
     fps = checked_rate(rate, f"{path}: fps")
     origin = UNITREE_CSV.name
-    return checked_motion(robot, origin, str(path), fps, qpos, remarks=said, w_first=False)
+    return checked_motion(robot, origin, str(path), fps, qpos, remarks=found, w_first=False)
 
 
 def _joints(

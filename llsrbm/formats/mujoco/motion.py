@@ -71,7 +71,7 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
                 f'{where}: key "{key}": expected {root + len(names)} columns, got '
                 f"{values[key].shape[1]}"
             )
-    order, said = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
+    order, found = joint_columns(names, values["qpos"][:, _ROOT:], robot, where)
     ordered = {
         key: values[key][:, [*range(root), *(root + column for column in order)]]
         for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1))
@@ -79,7 +79,7 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     }
     time = _times(arrays, values.get("time"), fps, where)
     qpos, qvel = ordered["qpos"], ordered.get("qvel")
-    return checked_motion(robot, "mujoco", where, time, qpos, qvel, remarks=said)
+    return checked_motion(robot, "mujoco", where, time, qpos, qvel, remarks=found)
 
 
 def _arrays(path: Path) -> tuple[Arrays, str]:
