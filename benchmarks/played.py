@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 import llsrbm
 from benchmarks.range import COMPONENTS, requests
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
 from llsrbm.planning.whole_body.feedback import in_order
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import Diverged, World
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ that `llsrbm.simulation.disturbance` disturbs; strict success is defined in
 `llsrbm.simulation.verdict`.
 Requests and disturbances follow from the seed alone. Controller and planner were tuned on seeds
 below 500, and seed 500 has been looked at since. The column "moved" counts boxes that come or go in
-mid-flight for want of room at the start (`llsrbm.simulation.surroundings`).
+mid-flight for want of room at the start (`llsrbm.motion.surroundings`).
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
-from llsrbm.request.numbers import short
+from llsrbm.number_text import short
 
 
 class Error(Exception):

@@ -17,7 +17,7 @@ from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import Axis, words_of
 from llsrbm.atlas.map import ALL, NEAREST, Map, Scale
 from llsrbm.mechanics import Array
-from llsrbm.request.numbers import short
+from llsrbm.number_text import short
 
 _COLOURS = {colour.title: colour.name for colour in COLOURS.values()}
 _PROJECTIONS = {"as in the design": NEAREST, "all of the sweep": ALL}

@@ -16,10 +16,10 @@ from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Ends, Field, Fields, switch
 from app.panel.html import note
 from app.panel.status import SeedResult
+from llsrbm.motion.surroundings import TO_SPARE
 from llsrbm.request.scenario import LARGEST_IMPULSE, Push, Scenario
 from llsrbm.robots import RobotFile
 from llsrbm.simulation.sensors import ESTIMATORS
-from llsrbm.simulation.surroundings import TO_SPARE
 
 AUTOMATICALLY = "Simulate automatically"
 _NO_SEEDS = "No seeds tried yet: each one is another disturbance of the same plan."

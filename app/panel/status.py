@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from html import escape
 
-from llsrbm.request.numbers import decimal
+from llsrbm.number_text import decimal
 
 _GREY, _GREEN, _RED, _AMBER = "#8a94a0", "#2f9e62", "#d6336c", "#d08a1d"
 

@@ -20,8 +20,8 @@ from llsrbm.analysis.wording import (
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.solve_report import Violation
+from llsrbm.number_text import power
 from llsrbm.request.jump import Jump, changes
-from llsrbm.request.numbers import power
 
 
 def plan_status(

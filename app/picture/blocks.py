@@ -14,7 +14,7 @@ from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
-from llsrbm.simulation.surroundings import Block
+from llsrbm.motion.surroundings import Block
 
 
 class Blocks(Drawing):

@@ -9,10 +9,10 @@ from app.motion.baked import PlannedMotion
 from app.motion.colours import Rgb
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Block
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push
 from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import Block
 
 _APART = 2.4  # heights of a standing robot's CoM from one robot to the next
 

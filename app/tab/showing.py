@@ -15,10 +15,10 @@ from app.workers import reports
 from llsrbm.analysis.wording import worst_violation
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import surroundings
 
 
 def show_plan(

@@ -14,8 +14,8 @@ from app.tab.effects import Keep, Notify, Play, Seek
 from app.tab.showing import ended, show_rollout
 from app.tab.state import Seeds, TabState
 from app.workers import reports, tasks
-from llsrbm.request.numbers import percent
-from llsrbm.simulation.surroundings import surroundings
+from llsrbm.motion.surroundings import surroundings
+from llsrbm.number_text import percent
 
 SEEDS = 20  # Disturbances that are tried together; the robustness benchmark's number
 

@@ -30,11 +30,11 @@ from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Block
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump, changes
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, RobotFile
-from llsrbm.simulation.surroundings import Block
 
 QUICK = 2.0
 """s; a simulation that takes no longer is begun after every change, unless that is switched off."""

@@ -252,9 +252,9 @@ def _show(plan: Plan, rollout: Rollout | None, robot: Robot) -> None:
     from app.plots.figure import figure
     from llsrbm.look.timeline import timeline
     from llsrbm.look.titles import titles_of
+    from llsrbm.motion.surroundings import surroundings
     from llsrbm.request.design import dump_design
     from llsrbm.request.scenario import Scenario
-    from llsrbm.simulation.surroundings import surroundings
 
     scenario = Scenario() if rollout is None else rollout.scenario
     dump_design(Design(plan.jump, plan.tuning, scenario))

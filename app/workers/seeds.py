@@ -23,7 +23,7 @@ from app.workers.tasks import SimulateJump, SimulateSeeds
 from llsrbm.analysis.wording import landing
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.numbers import decimal
+from llsrbm.number_text import decimal
 
 MOST_SEEDS = 100  # Of one request: some five minutes of one process
 

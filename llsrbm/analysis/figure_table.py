@@ -9,7 +9,7 @@ from typing import Any
 
 from llsrbm.analysis.figures import DesignFigures
 from llsrbm.motion.outcome import Outcome
-from llsrbm.request.numbers import decimal
+from llsrbm.number_text import decimal
 
 UNKNOWN = "–"
 

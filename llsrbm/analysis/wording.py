@@ -18,7 +18,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.request.numbers import decimal, degrees, percent, power, short
+from llsrbm.number_text import decimal, degrees, percent, power, short
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import load_robot
 

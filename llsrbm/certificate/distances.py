@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Block, Surroundings, surroundings
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
-from llsrbm.simulation.surroundings import Block, Surroundings, surroundings
 
 Array = NDArray[np.float64]
 

@@ -190,7 +190,7 @@ def _at(robot: str, at: Sequence[str]) -> tuple[Jump, dict[str, float]]:
 
 def _in_words(found: dict[str, Any]) -> dict[str, str]:
     from llsrbm.atlas.jumps import axis_of
-    from llsrbm.request.numbers import short
+    from llsrbm.number_text import short
 
     lines = {}
     for robot, each in found.items():
@@ -219,7 +219,7 @@ def _summary(drawn: Map) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.request.numbers import percent
+    from llsrbm.number_text import percent
 
     lines = {"sweep": result["title"]}
     for found in result["maps"]:

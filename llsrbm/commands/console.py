@@ -53,7 +53,7 @@ def counting(noun: str) -> Iterator[Callable[[int, int], None]]:
 
     `noun` is the plural of what is counted.
     """
-    from llsrbm.request.numbers import duration
+    from llsrbm.number_text import duration
 
     terminal = sys.stderr.isatty()
     start = last = time.monotonic()

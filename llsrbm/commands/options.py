@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from llsrbm.errors import InputError
+from llsrbm.number_text import decimal, degrees
 from llsrbm.request.jump import TYPE_PARAMETERS, Jump
 from llsrbm.request.messages import FieldSpec, Number, field_specs
-from llsrbm.request.numbers import decimal, degrees
 from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.tuning import Tuning
 

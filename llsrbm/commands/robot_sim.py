@@ -14,9 +14,9 @@ from llsrbm.commands import console, options
 from llsrbm.errors import Error, InputError, require
 
 if TYPE_CHECKING:
+    from llsrbm.motion.surroundings import Surroundings
     from llsrbm.robots import Robot
     from llsrbm.simulation.contacts import Touch
-    from llsrbm.simulation.surroundings import Surroundings
     from llsrbm.wire.dds import DdsRobot
     from llsrbm.wire.real_time import Punctuality
     from llsrbm.wire.simulated_robot import Conditions, SimulatedRobot, TrueTick
@@ -153,7 +153,7 @@ def _run(simulated: SimulatedRobot, end: DdsRobot, duration: float | None) -> di
 
 def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
     """Boxes of a plan's jump; flat ground without one."""
-    from llsrbm.simulation.surroundings import surroundings
+    from llsrbm.motion.surroundings import surroundings
     from llsrbm.simulation.world import FLAT
 
     if file is None:

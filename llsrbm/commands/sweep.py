@@ -152,7 +152,7 @@ def _summary(folder: Folder, progress: Progress | None) -> dict[str, Any]:
 
 
 def _description(result: dict[str, Any]) -> dict[str, str]:
-    from llsrbm.request.numbers import duration
+    from llsrbm.number_text import duration
 
     lines = {}
     for robot, counts in result["robots"].items():

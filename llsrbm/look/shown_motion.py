@@ -17,12 +17,12 @@ from llsrbm.look.visuals import LinkVisual, forward_kinematics
 from llsrbm.mechanics import GRAVITY, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Surroundings, surroundings
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, motion_at_ticks
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots import Robot
-from llsrbm.simulation.surroundings import Surroundings, surroundings
 
 Array = NDArray[np.float64]
 

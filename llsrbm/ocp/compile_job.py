@@ -11,7 +11,6 @@ nothing of the package.
 from __future__ import annotations
 
 import ctypes
-import fcntl
 import hashlib
 import json
 import os
@@ -35,6 +34,8 @@ def main(target: Path, asker: int, command: list[str]) -> None:
     """Make the library, unless it is there or being made. Raises `OSError`: it cannot be made, or
     the cache cannot be written or locked.
     """
+    import fcntl  # this process runs on POSIX alone, others read the module anywhere
+
     end_with(asker)
     yield_to_others()
     mine = Path(f"{target}.lock")

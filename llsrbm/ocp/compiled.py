@@ -7,7 +7,6 @@ them in memory; one more loops over the stages and puts the results where they b
 
 from __future__ import annotations
 
-import fcntl
 import json
 import logging
 import os
@@ -28,6 +27,7 @@ import casadi as ca
 
 from llsrbm.abandon import go_on
 from llsrbm.cache import forget_old, mark_used
+from llsrbm.file_locks import lock
 from llsrbm.ocp.compile_job import failed, is_sealed
 from llsrbm.ocp.stage_functions import mapped
 from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed, Transcription
@@ -223,13 +223,10 @@ class Library:
         if self._job is not None and self._job.poll() is None:
             return True
         try:
-            with Path(f"{self.path}.lock").open("rb") as lock:
-                fcntl.flock(lock, fcntl.LOCK_SH | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return True
+            with Path(f"{self.path}.lock").open("rb") as file:
+                return not lock(file, shared=True)
         except OSError:
             return False
-        return False
 
     def _report(self, job: subprocess.Popen[bytes]) -> None:
         _, printed = job.communicate()

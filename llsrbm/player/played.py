@@ -26,6 +26,7 @@ from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Mode, Rollout
 from llsrbm.motion.sampling import resample
+from llsrbm.motion.surroundings import Surroundings, surroundings
 from llsrbm.player import Ended, Player, Tier, make_tier
 from llsrbm.player.closed_loop import ClosedLoop
 from llsrbm.player.play_log import PlayLog
@@ -34,7 +35,6 @@ from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
-from llsrbm.simulation.surroundings import Surroundings, surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import FLAT, TickResult
 from llsrbm.wire.simulated_robot import (

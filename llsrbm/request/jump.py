@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
+from llsrbm.number_text import short
 from llsrbm.request.messages import Name, Number, Whole, check_fields, choices, field_specs
-from llsrbm.request.numbers import short
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""

@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT, ROUNDED
 from llsrbm.simulation.contacts import add_sensors
-from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

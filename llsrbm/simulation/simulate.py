@@ -16,6 +16,7 @@ from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.ocp.progress import interruptible
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.feet import foot_contacts
@@ -24,7 +25,6 @@ from llsrbm.simulation.disturbance import Pushes, draw_disturbance
 from llsrbm.simulation.episode import Episode, Hook, Recorder
 from llsrbm.simulation.replanning import Replanning
 from llsrbm.simulation.sensors import Sensors
-from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import World
 

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader, Touch
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 

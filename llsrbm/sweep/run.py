@@ -25,7 +25,7 @@ from distributed.comm import CommClosedError, get_address_host
 from distributed.scheduler import KilledWorker
 
 from llsrbm.errors import Error, InputError
-from llsrbm.request.numbers import duration
+from llsrbm.number_text import duration
 from llsrbm.sweep.folder import Folder, difference
 from llsrbm.sweep.jump import failed_rows, run_jump, run_prepare
 from llsrbm.sweep.points import Points

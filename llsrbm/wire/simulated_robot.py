@@ -18,9 +18,9 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import Robot
 from llsrbm.simulation.readings import Instruments
-from llsrbm.simulation.surroundings import Surroundings
 from llsrbm.simulation.world import FLAT, TickResult, World, steps_in
 from llsrbm.wire.channel import Channel, Faults
 from llsrbm.wire.link import Link

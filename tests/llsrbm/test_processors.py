@@ -43,6 +43,7 @@ for name in ("nice", "sched_getaffinity", "sched_setscheduler", "getloadavg", "k
         delattr(os, name)
 """
 USED = {
+    "llsrbm.api": "",
     "llsrbm.cli": "llsrbm.cli.main(['formats'])",
     "llsrbm.formats": "",
     "llsrbm.sweep.folder": "",

@@ -19,8 +19,8 @@ from app.workers.reports import Planned, Refused, Report
 from app.workers.tasks import PlanJump, Task
 from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, why_unknown
 from llsrbm.motion.plan import Plan
+from llsrbm.number_text import short
 from llsrbm.request.jump import Jump
-from llsrbm.request.numbers import short
 
 
 def learn(state: TabState, report: Report, task: Task) -> TabState:

@@ -26,8 +26,8 @@ from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.bodies import link_paths, urdf_joints
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Block, Surroundings
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.simulation.surroundings import Block, Surroundings
 
 Array = NDArray[np.float64]
 Entry = tuple[int, Any, Any]

@@ -30,8 +30,8 @@ from llsrbm.look.palette import BLOCK, COM, FOOT, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 

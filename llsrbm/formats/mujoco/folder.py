@@ -43,9 +43,9 @@ from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 

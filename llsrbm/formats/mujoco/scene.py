@@ -13,9 +13,9 @@ from scipy.cluster.hierarchy import fcluster, linkage
 
 from llsrbm.look.visuals import LinkVisual, link_visuals
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import Robot
 from llsrbm.simulation.scene import compiled, joints_in_model_order, moving_bodies, scene_spec
-from llsrbm.simulation.surroundings import Surroundings
 
 Array = NDArray[np.float64]
 

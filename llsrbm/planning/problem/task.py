@@ -70,7 +70,7 @@ class Edges:
         Onto a higher surface from a foot's own start to all of the target, to a lower one from all
         of the start to the foot's own target. Where a foot has no gap there is no edge for any: no
         block fits under all feet of one place without being in the way of the other's, and what
-        they land on comes, or goes, in mid-flight (`llsrbm.simulation.surroundings`).
+        they land on comes, or goes, in mid-flight (`llsrbm.motion.surroundings`).
         """
         c, s = np.cos(goal.heading), np.sin(goal.heading)
         axes = np.array([(c, s), (-c, -s), (-s, c), (s, -c)])

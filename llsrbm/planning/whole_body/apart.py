@@ -14,10 +14,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.mechanics import turns_about_z
+from llsrbm.motion.surroundings import Block
 from llsrbm.planning.whole_body.grid import Sizes
 from llsrbm.robots.near_links import NearLinks, away_from
 from llsrbm.robots.robot import Robot
-from llsrbm.simulation.surroundings import Block
 
 Array = NDArray[np.float64]
 

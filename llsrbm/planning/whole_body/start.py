@@ -11,12 +11,12 @@ from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities
 from llsrbm.mechanics import apply, rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.surroundings import Block, surroundings
 from llsrbm.planning.problem.placement import task_of
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import LIMITS, NODES, SAME_INSTANT, Grid, Sizes
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.robot import Robot
-from llsrbm.simulation.surroundings import Block, surroundings
 
 Array = NDArray[np.float64]
 

@@ -10,10 +10,10 @@ import numpy as np
 from app.motion.baked import bake_plan, bake_rollout
 from app.picture.overlays import AT_FIRST
 from app.picture.picture import Picture
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.simulation.surroundings import surroundings
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

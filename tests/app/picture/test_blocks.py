@@ -7,7 +7,7 @@ import pytest
 
 from app.picture.blocks import Blocks, tops_under
 from app.picture.picture import Picture
-from llsrbm.simulation.surroundings import Block
+from llsrbm.motion.surroundings import Block
 from tests.app.picture.recorded import RecordedClient
 
 BOX = Block(

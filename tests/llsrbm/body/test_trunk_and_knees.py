@@ -6,9 +6,9 @@ import pytest
 
 from llsrbm.body.trunk_and_knees import knee_joint, trunk_box
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Block, Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Block, Surroundings
 
 
 def touches(robot, axis, side, place):

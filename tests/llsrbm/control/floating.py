@@ -9,10 +9,10 @@ from llsrbm.control.joint_bounds import JointBounds
 from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import torque_range
 from llsrbm.simulation.scene import scene_spec
-from llsrbm.simulation.surroundings import Surroundings
 from tests.llsrbm.control.bodies import resting_target
 
 STEP = 5e-4

@@ -10,10 +10,10 @@ import llsrbm
 from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import Plan, load_plan
 from llsrbm.motion.rollout import Disturbance, Rollout
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.request.schedule import Phase, Schedule
 from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Surroundings
 
 ROBOTS = ("anymal", "slider")
 

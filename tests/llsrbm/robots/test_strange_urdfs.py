@@ -16,9 +16,9 @@ from scipy.spatial.transform import Rotation
 from llsrbm.cli import main
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import build_robot
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Surroundings
 from tests.llsrbm.robots.strange_urdf import URDF, by_hand, robot_file
 
 GROUND = Surroundings(ground=0.0, blocks=())

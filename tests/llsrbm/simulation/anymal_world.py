@@ -3,11 +3,11 @@
 import numpy as np
 
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import World
 from tests.app.synthetic_plan import synthetic_plan
 

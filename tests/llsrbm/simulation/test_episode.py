@@ -5,12 +5,12 @@ import pytest
 
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.episode import Episode, Hook, Recorder
 from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.simulate import standing_state
-from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import World
 from tests.llsrbm.formats.jumps import planned
 

@@ -9,10 +9,10 @@ import pytest
 
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Block, Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.simulation.scene import build_scene
-from llsrbm.simulation.surroundings import Block, Surroundings
 from tests.llsrbm.simulation.sliding_biped import URDF, sliding_biped
 
 GROUND = Surroundings(ground=0.0, blocks=())

@@ -9,12 +9,12 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.scene import build_scene, foot_geoms
 from llsrbm.simulation.simulate import standing_state, starting_velocity
-from llsrbm.simulation.surroundings import Surroundings
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.simulation.sliding_biped import sliding_biped

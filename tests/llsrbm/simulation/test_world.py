@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.simulation.simulate import standing_state
-from llsrbm.simulation.surroundings import surroundings
 from llsrbm.simulation.world import Diverged, World
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.simulation.anymal_world import (

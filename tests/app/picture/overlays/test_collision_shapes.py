@@ -6,10 +6,10 @@ import pytest
 
 from app.picture.overlays.bodies import shapes_of
 from llsrbm.motion.rollout import Disturbance
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.scene import build_scene, joints_in_model_order
-from llsrbm.simulation.surroundings import Surroundings
 from tests.app.picture.overlays.drawn import DrawnOverlay
 from tests.app.picture.pictures import picture
 

@@ -227,7 +227,7 @@ def test_what_is_drawn_away(tmp_path):
     import rerun as rr
 
     from llsrbm.formats.logs.rerun_log import _log_surroundings
-    from llsrbm.simulation.surroundings import Block, Surroundings
+    from llsrbm.motion.surroundings import Block, Surroundings
 
     stream = rr.RecordingStream("test", recording_id="drawn away")
     stream.save(tmp_path / "x.rrd")

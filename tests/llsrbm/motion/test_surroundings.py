@@ -9,11 +9,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
+from llsrbm.motion.surroundings import check_board, surroundings
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.simulation.surroundings import check_board, surroundings
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.schedules import in_a_row
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from llsrbm.request.numbers import decimal, degrees, percent, power, short
+from llsrbm.number_text import decimal, degrees, percent, power, short
 
 NUMBERS = st.floats(-1e6, 1e6) | st.floats(-1e-3, 1e-3) | st.sampled_from((0.0, -0.0, -5e-324))
 SIGNED_ZERO = re.compile(r"[-−+]0*\.?0*(e[+−]\d+)?( %)?$")
