@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -71,12 +70,12 @@ class Clip:
     parts: tuple[Mapping[str, Any], ...] = ()  # of the robot, to be pointed at, for JSON
 
     @cached_property
-    def encoded(self) -> tuple[str, str]:
-        """The form in which a browser reads it: JSON that lists its parts, and the numbers.
+    def encoded(self) -> tuple[dict[str, Any], str]:
+        """The form in which a browser reads it: a list of its parts for JSON, and the numbers.
 
         The numbers are little-endian 32 bit floats in base64: of each channel the instants, then of
         each of its tracks positions, quaternions (each on the same side as the one before, so that
-        they can be mixed) and scales, as far as the JSON says that there are any.
+        they can be mixed) and scales, as far as the list says that there are any.
         """
         arrays: list[Array] = []
         channels = []
@@ -107,7 +106,7 @@ class Clip:
             "parts": self.parts,
             "channels": channels,
         }
-        return json.dumps(header), blob
+        return header, blob
 
 
 def _continuous(wxyz: Array) -> Array:

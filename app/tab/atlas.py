@@ -130,7 +130,7 @@ class AtlasDrawing:
             self._show(state, found, design)
         if axes is not None:
             x, y = (design.get(axis.name, 0.0) * axis.scale for axis in axes)
-            self._link.move_in_atlas(x, y)
+            self._link.call("atlas.mark", x, y)
 
     def _show(self, state: TabState, found: Jumps | str, design: dict[str, float]) -> None:
         choice = state.atlas
@@ -151,7 +151,7 @@ class AtlasDrawing:
     def _send(self, sent: dict[str, Any] | None) -> None:
         if sent != self._sent or sent is None:
             self._sent = sent
-            self._link.show_atlas(sent)
+            self._link.call("atlas.show", sent)
 
     def _jumps(self, state: TabState) -> Jumps | str:
         jump = state.design.jump
@@ -170,7 +170,7 @@ class AtlasDrawing:
             atlas = self._atlases.named(click.sweep)
         except InputError:
             return None
-        found = atlas and atlas.find(click.number)
+        found = atlas and atlas.find(click.jump)
         if not found:
             return None
         jumps, place = found

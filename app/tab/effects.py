@@ -110,7 +110,7 @@ class ShowPart(Effect):
     reading: dict[str, Any]
 
     def do(self, outside: Outside) -> None:
-        outside.link.show_part(self.reading)
+        outside.link.call("parts.show", self.reading)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,7 +168,7 @@ class Keep(Effect):
     design: Design
 
     def do(self, outside: Outside) -> None:
-        outside.link.keep(dump_design(self.design))
+        outside.link.call("page.keep", dump_design(self.design))
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ class ShowTuning(Effect):
     tuning: Tuning
 
     def do(self, outside: Outside) -> None:
-        outside.link.show_tuning(self.tuning)
+        outside.link.call("tuning.show", self.tuning)
 
 
 @dataclass(frozen=True)
@@ -211,7 +211,7 @@ class Share(Effect):
     after_drawing = True
 
     def do(self, outside: Outside) -> None:
-        outside.link.share(dump_design(self.design))
+        outside.link.call("page.share", dump_design(self.design))
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ class Play(Effect):
     after_drawing = True
 
     def do(self, outside: Outside) -> None:
-        outside.link.play()
+        outside.link.call("player.play")
 
 
 @dataclass(frozen=True)
@@ -231,7 +231,7 @@ class Pause(Effect):
     after_drawing = True
 
     def do(self, outside: Outside) -> None:
-        outside.link.pause()
+        outside.link.call("player.pause")
 
 
 @dataclass(frozen=True)
@@ -242,7 +242,7 @@ class Seek(Effect):
     after_drawing = True
 
     def do(self, outside: Outside) -> None:
-        outside.link.seek(self.time)
+        outside.link.call("player.seek", self.time)
 
 
 @dataclass(frozen=True)
@@ -254,7 +254,8 @@ class SetPlayback(Effect):
     after_drawing = True
 
     def do(self, outside: Outside) -> None:
-        outside.link.set_playback(self.speed, self.loop)
+        outside.link.call("player.setSpeed", self.speed)
+        outside.link.call("player.setLoop", self.loop)
 
 
 def loaded(name: str) -> RobotLoaded | RobotMissing:

@@ -30,6 +30,7 @@ from app.tab.simulating import status_of
 from app.tab.start.preferences import preferences
 from app.tab.state import TabState
 from llsrbm.analysis.figures import figures_of_plan
+from llsrbm.look.palette import css
 from llsrbm.look.timeline import timeline
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
@@ -65,13 +66,13 @@ class Rendering:
             put=put,
             open_file=open_file,
         )
-        link.arrange(self.panel.arrangement)
+        link.call("panel.arrange", self.panel.arrangement)
         self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)  # its map
         self._tint = Tint(link, self.panel.jump.tinted)
         self._plots = Plots(client, self.panel.plots.watched)
         self._scene = Scene(client)
         self.handle = LandingHandle(client, put)  # where to land, in the picture
-        link.paint_handle(LandingHandle.node, colours.TARGET)
+        link.call("handles.paint", LandingHandle.node, colours.TARGET)
         self._push = PushHandle(client)
         self._drawn: TabState | None = None
         self._layers: tuple[Layer, ...] = ()
@@ -95,14 +96,14 @@ class Rendering:
             self._draw_panel(state)
             swatches = self.panel.view.swatches(picture)
             if self._changed("swatches", swatches):
-                self._link.show_swatches(swatches)
+                self._link.call("panel.swatches", swatches)
             self._draw_picture(state, picture)
             self._draw_numbers(state)
             self.atlas.draw(state)
             # Before it is there, the page has not said what it kept.
             kept = (state.view, state.plots, state.export.format, state.dark)
             if state.page and self._changed("preferences", kept):
-                self._link.prefer(preferences(state))
+                self._link.call("page.prefer", preferences(state))
             self._tint.draw(state)
         # viser would gather messages for up to a sixtieth of a second.
         self._client.flush()
@@ -128,7 +129,7 @@ class Rendering:
             other_table = panel.tuning.show_robot(robot, design.jump.type)
             if self._changed("tuning", design.tuning) or other_table:
                 panel.tuning.show(design.tuning)
-                self._link.show_tuning(design.tuning)
+                self._link.call("tuning.show", design.tuning)
         if self._changed("seeds", state.seeds):
             seeds = state.seeds
             worst = None if seeds is None or seeds.worst is None else seeds.worst.scenario.seed
@@ -136,7 +137,7 @@ class Rendering:
         if self._changed("night", state.view.night):
             configure_theme(self._client.gui, dark=state.view.night)
         if self._changed("shortcuts", state.view.shortcuts):
-            self._link.set_shortcuts(state.view.shortcuts)
+            self._link.call("panel.setShortcuts", state.view.shortcuts)
         # The certificate of another motion is of no interest.
         check, of = state.check, "plan" if state.rollout is None else "simulation"
         if check is None or check.motion is not state.motion:
@@ -156,12 +157,12 @@ class Rendering:
             # A motion that is pinned may go on when the one that is shown stands.
             self._link.load(clip, events and replace(events, end=max(events.end, clip.end)))
         if self._changed("remark", state.remark):
-            self._link.remark(state.remark)
+            self._link.call("remark.show", state.remark)
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in state.view.layers and state.shown is not None
         self.handle.draw(state.design.jump, robot, visible=visible)
         if self._push.draw(push_shown(state)):
-            self._link.settle()
+            self._link.call("player.settle")
 
     # ---- numbers and curves
 
@@ -202,7 +203,8 @@ class Rendering:
 
     def _show_chips(self, chips: list[tuple[str, Rgb]], state: TabState) -> None:
         if self._changed("chips", (chips, state.beside)):
-            self._link.show_pins(chips, state.beside)
+            named = [{"title": title, "colour": css(colour)} for title, colour in chips]
+            self._link.call("pins.show", named, state.beside)
 
 
 def picture_of(state: TabState) -> Picture:

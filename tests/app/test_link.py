@@ -1,9 +1,13 @@
 from __future__ import annotations
 
+import ast
 import json
 import math
 import queue
+import re
+from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 from unittest.mock import MagicMock
 
 import pytest
@@ -16,6 +20,7 @@ from app.link import (
     CertificateAsked,
     ChartDropped,
     ClipTaken,
+    PageEvent,
     PageLink,
     PageReady,
     PartAsked,
@@ -28,6 +33,7 @@ from app.link import (
 )
 from app.motion.clip import Clip
 from llsrbm.look.timeline import Mark, Piece, Row, Timeline
+from llsrbm.request.tuning import Tuning
 from tests.app.page_script import call
 
 JSON = st.recursive(
@@ -37,25 +43,13 @@ JSON = st.recursive(
     ),
     max_leaves=6,
 )
+FIELDS = (
+    *("software", "time", "playing", "speed", "loop", "number"),
+    *("missing", "tab", "shared", "kept"),
+)
 LIKELY = st.fixed_dictionaries(
     {"kind": st.sampled_from(["ready", "state", "playback", "clip"]) | JSON},
-    optional=dict.fromkeys(
-        (
-            [
-                "software",
-                "time",
-                "playing",
-                "speed",
-                "loop",
-                "number",
-                "missing",
-                "tab",
-                "shared",
-                "kept",
-            ]
-        ),
-        JSON,
-    ),
+    optional=dict.fromkeys(FIELDS, JSON),
 )
 
 
@@ -75,16 +69,16 @@ LIKELY = st.fixed_dictionaries(
             {
                 "kind": "ready",
                 "software": False,
-                "missing": ["a", 3],
+                "missing": ["a", "b"],
                 "tab": "0f" * 16,
                 "shared": "{}",
                 "kept": "[]",
                 "time": 0.5,
                 "playing": True,
             },
-            PageReady(False, ("a", "3.0"), "0f" * 16, "{}", "[]", 0.5, True),
+            PageReady(False, ("a", "b"), "0f" * 16, "{}", "[]", 0.5, True),
         ),
-        ({"kind": "ready", "software": True, "tab": "../../x", "kept": 3}, PageReady(True)),
+        ({"kind": "ready", "software": True, "tab": None, "kept": ""}, PageReady(True)),
         ({"kind": "ready", "software": True, "height": 800}, PageReady(True, height=800.0)),
         ({"kind": "part", "part": "LF_KFE"}, PartAsked("LF_KFE")),
         ({"kind": "plot", "part": "LF_KFE", "row": 2}, PartPlotted("LF_KFE", 2)),
@@ -120,6 +114,8 @@ def test_reports_of_the_page_are_read(message, event):
         '{"kind": "beside", "on": 1}',
         '{"kind": "state", "time": -1, "playing": true}',
         '{"kind": "ready"}',
+        '{"kind": "ready", "software": true, "tab": "../../x"}',
+        '{"kind": "ready", "software": true, "kept": 3}',
         '{"kind": "part", "part": "' + "x" * 200 + '"}',
         '{"kind": "plot", "part": "LF_KFE", "row": -1}',
         '{"kind": "push", "time": 1, "x": NaN, "y": 0, "ended": true}',
@@ -168,17 +164,47 @@ def link(sent):
 
 
 def test_everything_is_a_call_of_the_pages_scripts(link, sent):
-    link.play()
-    link.seek(0.25)
-    link.keep('{"a": "</script>"}')
-    link.share("{}")
+    link.call("player.play")
+    link.call("player.seek", 0.25)
+    link.call("page.keep", '{"a": "</script>"}')
+    link.call("tuning.show", Tuning({"force": 2.0}))
     assert [call(source) for source in sent] == [
         ("page.connect", ["a field"]),
         ("player.play", []),
         ("player.seek", [0.25]),
         ("page.keep", ['{"a": "</script>"}']),
-        ("page.share", ["{}"]),
+        ("tuning.show", [{"weights": {"force": 2.0}, "limits": {}}]),
     ]
+
+
+APP = Path(page_link.__file__).parent
+
+
+@pytest.mark.browser
+def test_every_function_that_is_called_is_in_the_scripts(shared_page):
+    trees = [ast.parse(path.read_text("utf-8")) for path in APP.rglob("*.py")]
+    called = {
+        node.args[0].value
+        for tree in trees
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+        and isinstance(node.func, ast.Attribute)
+        and node.func.attr == "call"
+        and isinstance(node.args[0], ast.Constant)
+    }
+    assert len(called) > 15
+    absent = """names => names.filter((name) => {
+      const [owner, method] = name.split(".");
+      return typeof llsrbm[owner]?.[method] !== "function";
+    })"""
+    assert shared_page.evaluate(absent, sorted(called)) == []
+
+
+def test_the_scripts_send_every_kind_of_event_and_no_other():
+    scripts = "".join(path.read_text("utf-8") for path in (APP / "static").glob("*.js"))
+    sent = set(re.findall(r'\bkind: "([a-z-]+)", ?|send\(\{ kind: "([a-z-]+)"', scripts))
+    kinds = {event.__dataclass_fields__["kind"].default for event in get_args(PageEvent)}
+    assert kinds == {one or other for one, other in sent}
 
 
 TIMELINE = Timeline(
@@ -242,8 +268,8 @@ def test_a_lost_acknowledgement_does_not_stop_the_picture(sent, monkeypatch):
 def test_commands_wait_for_the_clip_that_they_are_about(link, sent):
     link.load(Clip((), 1.0), None)
     link.load(Clip((), 2.0), TIMELINE)
-    link.seek(1.5)
-    link.play()
+    link.call("player.seek", 1.5)
+    link.call("player.play")
     assert [call(source)[0] for source in sent][-1] == "player.load"
     link.take(ClipTaken(1))
     names = [call(source)[0] for source in sent]

@@ -68,14 +68,15 @@ class Tint:
         self._made_of = made_of
         jump, limits, robot, feasible = made_of
         found, why = tracks(jump, limits, robot, feasible), why_unknown(jump, limits, robot)
-        self._link.tint(
+        self._link.call(
+            "tint.show",
             {
                 uuid: {
                     "chances": chances(found[name]) if name in found else [],
                     "text": in_words(name, jump, found[name]) if name in found else unknown(why),
                 }
                 for name, uuid in self._sliders.items()
-            }
+            },
         )
 
 

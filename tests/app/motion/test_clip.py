@@ -1,7 +1,5 @@
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -35,7 +33,7 @@ def test_a_browser_reads_what_was_there():
         ),
     )
     header, blob = Clip((plan, rollout), 2.3).encoded
-    strands, end = decoded(json.loads(header), blob)
+    strands, end = decoded(header, blob)
     assert end == 2.3
     for (time, nodes), strand in zip(strands, (plan, rollout), strict=True):
         assert time == pytest.approx(strand.time, abs=1e-6)
@@ -54,7 +52,7 @@ def test_a_browser_reads_what_was_there():
 
 def test_nothing_to_play_is_encoded_too():
     header, blob = Clip((), 0.0).encoded
-    assert decoded(json.loads(header), blob) == ([], 0.0)
+    assert decoded(header, blob) == ([], 0.0)
 
 
 SOME = arrays(float, st.tuples(st.integers(1, 12), st.just(4)), elements=st.floats(-1, 1)).filter(
@@ -70,7 +68,7 @@ def test_neighbouring_quaternions_can_be_mixed(values):
         np.arange(len(wxyz)), (Track(("/a",), np.zeros((len(wxyz), 3)), wxyz),)
     )
     header, blob = Clip((strand,), 1.0).encoded
-    (((_, nodes),), _) = decoded(json.loads(header), blob)
+    (((_, nodes),), _) = decoded(header, blob)
     sent = nodes["/a"][1].astype(float)
     assert (np.sum(sent[1:] * sent[:-1], axis=1) >= -1e-6).all()
     assert np.minimum(np.abs(sent - wxyz), np.abs(sent + wxyz)).max() < 1e-6

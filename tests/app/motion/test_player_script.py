@@ -29,6 +29,7 @@ STAGE = """() => {
     }
     return llsrbm.player.time;
   };
+  window.llsrbm = { software: false };
   window.sent = [];
   const node = () => ({ position: [9, 9, 9], wxyz: [1, 0, 0, 0], poseUpdateState: "updated" });
   window.__viserMutable = {
@@ -80,7 +81,7 @@ def page(empty):
 
 def load(page, clip):
     header, blob = clip.encoded
-    page.evaluate(f"blob => llsrbm.player.load({header}, blob, 1)", blob)
+    page.evaluate("([header, blob]) => llsrbm.player.load(header, blob, 1)", [header, blob])
 
 
 def passed(page, seconds, rate=60):

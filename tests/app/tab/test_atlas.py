@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from types import SimpleNamespace
 from unittest.mock import MagicMock
 
 import pytest
@@ -38,12 +37,16 @@ class Drawn:
 
     def __init__(self, atlases):
         self.maps, self.marks = [], []
-        link = SimpleNamespace(
-            show_atlas=self.maps.append, move_in_atlas=lambda *place: self.marks.append(place)
-        )
         self.controls = MagicMock(spec=AtlasControls)
-        self.drawing = AtlasDrawing(self.controls, link, atlases)
+        self.drawing = AtlasDrawing(self.controls, self, atlases)
         self.tab = planned_tab(height=0.0)
+
+    def call(self, function, *arguments):
+        """As `PageLink.call`."""
+        if function == "atlas.show":
+            self.maps += arguments
+        else:
+            self.marks.append(arguments)
 
     def take(self, event):
         self.tab.take(event)
