@@ -55,7 +55,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
         "title": title(trajectory),
         "outcome": outcome_words(trajectory),
         "good": trajectory.solved if isinstance(trajectory, Plan) else trajectory.landed,
-        "clip": json.loads(header),
+        "clip": header,
         "numbers": numbers,
         "timeline": replace(events, end=max(events.end, clip.end)).plain(),
         "layers": _layers(picture),
