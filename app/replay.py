@@ -51,7 +51,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     clip, page = _drawn(picture, options.camera)
     events = timeline(plan, rollout)
     header, numbers = clip.encoded
-    facts = {
+    facts: dict[str, Any] = {
         "title": title(trajectory),
         "outcome": outcome_words(trajectory),
         "good": trajectory.solved if isinstance(trajectory, Plan) else trajectory.landed,
