@@ -72,7 +72,8 @@ def new_command(
         limb = "limb" if anatomy.arms else "foot"
         print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no {limb} ({first}, ...)")
     if anatomy.frames:
-        print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} in the middle of their soles")
+        where = "in the middle of their soles" if anatomy.has_soles else "at the ends of shanks"
+        print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} {where}")
     for key, reason in proposal.guessed.items():
         print(f"  guessed {key}: {reason}")
     for key, reason in proposal.left_out.items():

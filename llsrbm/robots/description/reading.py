@@ -173,10 +173,10 @@ def _named_colours(root: Part) -> dict[str, Colour | None]:
 
 
 def _colour(part: Part, colours: dict[str, Colour | None]) -> Colour | None:
-    material = part.one("material")
-    if material is None:
+    element = part.element.find("material")  # of several the first, as others have it
+    if element is None:
         return None
-    return _own_colour(material) or colours.get(material.element.get("name", ""))
+    return _own_colour(Part(element, part.where)) or colours.get(element.get("name", ""))
 
 
 def _own_colour(material: Part) -> Colour | None:

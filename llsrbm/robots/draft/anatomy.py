@@ -214,7 +214,13 @@ def _legs(model: pin.Model, urdf: Path) -> tuple[list[list[str]], list[int]]:
         while model.parents[chain[0]] > BASE_JOINT:
             chain.insert(0, model.parents[chain[0]])
         chains.append(chain)
-    kinds = [tuple(model.joints[j].shortname()[:11] for j in chain) for chain in chains]
+    kinds = [
+        (
+            tuple(model.joints[j].shortname()[:11] for j in chain),
+            any(chain[0] == other[0] for other in chains if other is not chain),  # as arms do
+        )
+        for chain in chains
+    ]
     # Legs are what there are most of that is built alike, and of those what reaches lowest.
     data = _at_zero(model)
     heights = {

@@ -90,7 +90,8 @@ def _frames(anatomy: Anatomy) -> list[str]:
         + " }"
         for name, frame in anatomy.frames.items()
     ]
-    comment = "# Middles of the soles on the ground. Guessed: from the feet's collision geometry."
+    what = "Middles of the soles on the ground" if anatomy.has_soles else "Middles of the feet"
+    comment = f"# {what}. Guessed: from the geometry there."
     return ["", comment, "[urdf.frames]", *rows] if rows else []
 
 

@@ -258,3 +258,46 @@ def test_a_file_that_is_there_is_kept(tmp_path, capsys):
     assert "expected --force" in capsys.readouterr().err
     assert path.read_text() == "mine"
     assert main([*command, "--force"]) == 0
+
+
+QUAD_LEG = """
+  <link name="{n}_hip">{inertia}</link><link name="{n}_thigh">{inertia}</link>
+  <link name="{n}_calf">{inertia}<collision><origin xyz="0 0 -0.1"/>
+    <geometry><capsule radius="0.012" length="0.2"/></geometry></collision></link>
+  <joint name="{n}_0" type="continuous"><parent link="trunk"/><child link="{n}_hip"/>
+    <origin xyz="{x} {y} 0"/><axis xyz="1 0 0"/><limit effort="{effort}" velocity="20"/></joint>
+  <joint name="{n}_1" type="continuous"><parent link="{n}_hip"/><child link="{n}_thigh"/>
+    <origin xyz="0 {out} 0"/><axis xyz="0 1 0"/><limit effort="{effort}" velocity="20"/></joint>
+  <joint name="{n}_2" type="continuous"><parent link="{n}_thigh"/><child link="{n}_calf"/>
+    <origin xyz="0 0 -0.2"/><axis xyz="0 1 0"/><limit effort="{effort}" velocity="20"/></joint>"""
+INERTIA = """<inertial><origin xyz="0 0 -0.05"/><mass value="{m}"/>
+    <inertia ixx="{i}" iyy="{i}" izz="{i}" ixy="0" ixz="0" iyz="0"/></inertial>"""
+
+
+def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path, capsys):
+    """Its drives are said to differ in one leg."""
+    legs = "".join(
+        QUAD_LEG.format(
+            n=f"{end}{side}",
+            x=0.2 * x,
+            y=0.05 * y,
+            out=0.06 * y,
+            effort=0 if (end, side) == ("h", "r") else 17,
+            inertia=INERTIA.format(m=0.3, i=0.001),
+        )
+        for end, x in (("f", 1), ("h", -1))
+        for side, y in (("l", 1), ("r", -1))
+    )
+    trunk = f"""<link name="trunk">{INERTIA.format(m=7, i=0.1)}<collision>
+    <geometry><box size="0.4 0.2 0.1"/></geometry></collision></link>"""
+    urdf = tmp_path / "quad.urdf"
+    urdf.write_text(f'<robot name="quad">{trunk}{legs}</robot>')
+    robot = written(tmp_path / "quad.toml", str(urdf))
+    assert [leg.foot_frame for leg in robot.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
+    np.testing.assert_allclose(robot.joint_stops, np.outer([-np.pi, np.pi], np.ones(12)))
+    frame = robot.file.urdf.frames["FL_foot"]
+    assert frame.link == "fl_calf"
+    assert frame.xyz == pytest.approx((0, 0, -0.2), abs=0.01)
+    said = "torque as of leg FL, the URDF has 0 for hr_0, 0 for hr_1, 0 for hr_2"
+    assert said in capsys.readouterr().out
+    assert said in robot.path.read_text()
