@@ -77,24 +77,37 @@ def pytest_runtest_call(item):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """A free process takes the longest file that uses nothing which only others have made."""
+    """A free process takes the longest file that uses nothing which another one is just making.
+
+    A solver is built once, for what one process has built the others read from the cache. Chromium
+    is one process' alone.
+    """
     from xdist.scheduler import LoadScopeScheduling
 
     class Scheduler(LoadScopeScheduling):
         def __init__(self, config, log):
             super().__init__(config, log)
             self.uses = defaultdict(set, {name: set(u) for name, (_, u) in _durations().items()})
-            self.made = defaultdict(set)  # process -> what it has
+            self.browsing = None
 
         def _split_scope(self, nodeid):
             return _file(nodeid)
 
+        def _made_elsewhere(self, node):
+            """What others are making, as far as it is known."""
+            found = {BROWSER} if self.browsing not in (None, node) else set()
+            for other, files in self.assigned_work.items():
+                for name, tests in files.items():
+                    if other is not node and not all(tests.values()):
+                        found |= self.uses[name] - {BROWSER}
+            return found
+
         def _assign_work_unit(self, node):
-            others = set().union(*(made for other, made in self.made.items() if other != node))
-            others -= self.made[node]
-            chosen = min(self.workqueue, key=lambda name: len(self.uses[name] & others))
+            elsewhere = self._made_elsewhere(node)
+            chosen = min(self.workqueue, key=lambda name: len(self.uses[name] & elsewhere))
             self.workqueue.move_to_end(chosen, last=False)
-            self.made[node] |= self.uses[chosen]
+            if BROWSER in self.uses[chosen]:
+                self.browsing = node
             super()._assign_work_unit(node)
 
     config.option.loadscopereorder = False

@@ -13,8 +13,6 @@ from tests.app.chromium import (
     PIXELS,
     at_rest,
     base_node,
-    choose,
-    dark,
     fill,
     green,
     opened,
@@ -115,41 +113,6 @@ def test_ellipsoids_come_and_go(page):
 def changed(one, other):
     """How many pixels differ."""
     return int((np.abs(one - other).max(axis=2) > 8).sum())
-
-
-def choose_robot(page, session, title, robot):
-    choose(page, "Robot", title)
-    wait_until(lambda: session.plan and session.plan.jump.robot == robot, f"a plan of {robot}")
-    status(page, "Feasible")
-
-
-def extent(page):
-    """Width and height of what is nearly black, pixels, once something is."""
-    wait_until(lambda: dark(picture(page)).sum() > 1000, "a robot")
-    rows, columns = np.nonzero(dark(picture(page)))
-    return np.ptp(columns), np.ptp(rows)
-
-
-def test_robots_take_turns(page):
-    session = page.session
-    choose_robot(page, session, "SLIDER", "slider")
-    paused_at(page, 0.0)
-    # Its legs are black, and so is most of ANYmal.
-    width, height = extent(page)
-    assert height > max(200, 1.5 * width)
-    choose_robot(page, session, "ANYmal B", "anymal")
-    paused_at(page, 0.0)
-    width, height = extent(page)
-    assert width > 0.8 * height > 100
-
-
-def test_export_downloads_what_is_shown(page, tmp_path):
-    with page.expect_download() as download:
-        press(page, "Export")
-    path = tmp_path / download.value.suggested_filename
-    download.value.save_as(path)
-    assert path.name == "anymal-llsrbm-plus-plan.npz"
-    assert llsrbm.load(path).jump == page.session.plan.jump
 
 
 def test_simulate_shows_the_whole_robot_beside_the_plan(page):

@@ -81,13 +81,6 @@ def test_arrows_step(page):
         assert page.evaluate("window.scrollX + window.scrollY") == 0
 
 
-def test_home_and_end_go_there(page):
-    page.keyboard.press("End")
-    assert player(page, "time") == player(page, "clip.end")
-    page.keyboard.press("Home")
-    assert player(page, "time") == 0
-
-
 def test_what_is_typed_into_a_field_is_no_command(page):
     number(page, "Forward [m]").focus()
     for key in ("Home", "ArrowLeft", "ArrowRight", "End", "Space"):
@@ -238,18 +231,6 @@ def test_phases_and_marks_are_where_they_happen(page):
     for instant, phase in ((0.1, "take-off"), (0.6, "flight"), (1.2, "landing")):
         paused_at(page, instant)
         assert f"{instant:.2f} / 1.30 s {phase}" in bar.inner_text()
-
-
-def test_the_bar_lies_under_the_picture_and_not_under_the_panel(page):
-    bar = page.locator("#llsrbm-transport").bounding_box()
-    canvas = page.evaluate(
-        "(({left, right, bottom}) => ({left, right, bottom}))"
-        "(window.__viserMutable.canvas.getBoundingClientRect())"
-    )
-    assert bar["x"] == pytest.approx(canvas["left"], abs=2)
-    assert bar["x"] + bar["width"] == pytest.approx(canvas["right"], abs=2)
-    assert bar["y"] + bar["height"] == pytest.approx(canvas["bottom"], abs=2)
-    assert page.get_by_role("button", name="Play", exact=True).is_visible()
 
 
 LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]

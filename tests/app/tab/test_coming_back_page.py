@@ -74,25 +74,6 @@ def test_everything_is_found_again(page, designer):
     everything_is_there(page)
 
 
-def test_a_second_tab_has_the_design_and_nothing_else(page, designer):
-    plan_pin_and_simulate(page)
-    before = designer.sessions
-    with page.context.expect_page() as event:
-        page.evaluate("void window.open(location.href)")  # a copy of this tab's storage goes along
-    with contextlib.closing(event.value) as second:
-        shows_motion(second)
-        (session,) = [each for each in designer.sessions if each not in before]
-        assert session.token not in (None, page.session.token)
-        assert session.plan.jump.forward == FORWARD
-        assert session.rollout is None
-        assert session.state.pins == ()
-        # Each goes its own way.
-        fill(second, "Forward [m]", 0.1)
-        wait_until(lambda: session.plan.jump.forward == 0.1, "its plan")
-        assert page.session.plan.jump.forward == FORWARD
-        assert page.session.rollout is not None
-
-
 def test_a_link_opens_its_design_with_which_the_next_visit_begins(page, browser, designer):
     fill(page, "Forward [m]", FORWARD)
     wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")

@@ -15,7 +15,7 @@ from llsrbm import models
 from llsrbm.formats import FORMATS
 from llsrbm.robots import load_robot, names
 from tests.app import planners
-from tests.app.raw_tab import RawTab, choose, pinned, planned
+from tests.app.raw_tab import RawTab, choose, planned
 from tests.app.waits import wait_until
 
 
@@ -56,21 +56,6 @@ def test_every_label_of_the_contract_is_there(tab):
     assert len(models.names()) == 3
     offered = tab.control("Format")["props"]["options"]
     assert [title.partition(" ")[0] for title in offered] == list(FORMATS)
-
-
-def test_a_slider_plans_anew(tab, session):
-    tab.set("Forward [m]", 0.4)
-    plan = planned(tab, session, lambda jump: jump.forward == 0.4, "the new plan")
-    assert plan.jump.twist == pytest.approx(
-        math.pi / 2, abs=1e-5
-    )  # the example's, as its file has it
-    tab.wait(
-        lambda: (
-            tab.nodes["/target/foot0"]["position"][0] == pytest.approx(plan.foot_position[-1, 0, 0])
-        ),
-        "the landing mark",
-    )
-    tab.wait_for_status("Feasible")
 
 
 def test_the_last_of_many_slider_values_wins(tab, session):
@@ -137,18 +122,6 @@ def test_a_crash_is_shown_and_survived(tab, session, capfd):
     assert "ended unexpectedly (exit status 9) and was restarted" in tab.wait_for_status("Failed")
     tab.set("Twist [deg]", 20.0)
     tab.wait_for_status("Feasible")
-
-
-def test_no_convergence_shows_where_the_solver_stopped(tab, session):
-    tab.set("Twist [deg]", math.degrees(planners.UNSOLVABLE))
-    tab.wait_for_status("Infeasible")
-    assert not session.plan.solved
-    assert "reach violated in flight by 0.02 m" in tab.status()
-    assert not tab.control("Use nearest")["props"]["visible"]
-    assert list(tab.nodes["/path/com"]["colors"][:3]) == [220, 40, 40]
-    tab.set("Twist [deg]", 30.0)
-    tab.wait_for_status("Feasible")
-    assert list(tab.nodes["/path/com"]["colors"][:3]) == [90, 60, 180]
 
 
 def drag(tab, session, wxyz, position):
@@ -240,30 +213,3 @@ def test_controls_are_written_by_their_sessions_thread_alone(designer, monkeypat
         tab.press("Simulate")
         tab.wait_for_status("Landed")
     assert {thread for thread, _ in writers} == {"session"}, writers
-
-
-def test_a_pin_survives_a_change_of_robot_and_is_taken_up_again(tab, session, script):
-    tab.set("Forward [m]", 0.2)
-    planned(tab, session, lambda jump: jump.forward == 0.2, "the plan to pin")
-    tab.wait_for_status("Feasible")
-    tab.press("Pin")
-    tab.wait(lambda: pinned(tab), "a ghost")
-    choose(tab, session, "slider")
-    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "the ghost's motion")
-    tab.press("Use this design")
-    planned(tab, session, lambda jump: jump.robot == "anymal", "the pinned design")
-    assert session.plan.jump.forward == 0.2
-    assert tab.value("Robot") == "ANYmal B"
-
-
-def test_the_nearest_jump_is_shown_and_taken(tab, session):
-    tab.set("Twist [deg]", -170)
-    assert tab.wait_for_status("Nearest") == (
-        "Nearest −150° instead of −170°. RH_HAA needs 107 Nm at lift-off, it has 34."
-    )
-    assert session.plan.jump.twist == planners.FARTHEST
-    assert math.degrees(session.design.jump.twist) == pytest.approx(-170)
-    tab.press("Use nearest")
-    tab.wait(lambda: tab.value("Twist [deg]") == pytest.approx(-150), "the slider")
-    tab.wait_for_status("Feasible")
-    assert not tab.control("Use nearest")["props"]["visible"]

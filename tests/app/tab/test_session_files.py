@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import math
-import time
 import zipfile
 from dataclasses import replace
 
@@ -20,7 +19,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 from tests.app.planners import SLOW_PAD
-from tests.app.raw_tab import choose, pinned, planned
+from tests.app.raw_tab import pinned, planned
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -61,23 +60,6 @@ def submitted(session, monkeypatch):
 # ---- plans
 
 
-def test_a_plan_is_shown_as_it_is(tab, session, script, submitted, tmp_path):
-    plan = plan_of()
-    tab.upload("Open", "mine.npz", content(plan, tmp_path))
-    planned(tab, session, lambda jump: jump == JUMP, "the plan")
-    tab.wait(lambda: "from file mine.npz" in tab.status(), "the status line")
-    assert tab.status().startswith("Feasible from file mine.npz Flight")
-    assert session.plan.com.tolist() == plan.com.tolist()
-    assert script.end == pytest.approx(plan.duration)
-    shown = {"Robot": "ANYmal B", "Model": "SRBM", "Twist [deg]": 71.0, "Forward [m]": 0.12}
-    assert {label: tab.value(label) for label in shown} == shown
-    assert tab.page.calls("tuning.show")[-1] == [{"weights": {}, "limits": {"friction": 0.45}}]
-    assert "Opened mine.npz." in tab.text()
-    time.sleep(0.8)  # longer than a request has to rest
-    assert not any(isinstance(task, PlanJump) for task in submitted)
-    assert session.plan.jump == JUMP
-
-
 def test_another_robots_numbers_are_told(tab, session, submitted, tmp_path):
     parameters = synthetic_plan(JUMP).robot_parameters
     other = plan_of(robot_parameters=parameters | {"mass": 44.0})
@@ -90,20 +72,6 @@ def test_another_robots_numbers_are_told(tab, session, submitted, tmp_path):
 
 
 # ---- simulations
-
-
-def test_a_simulation_is_shown_with_its_plan(tab, session, script, tmp_path):
-    rollout = rollout_of(plan_of())
-    tab.upload("Open", "run.npz", content(rollout, tmp_path))
-    told = tab.wait_for_status("Landed")
-    assert told.startswith("Landed from file run.npz")
-    assert session.rollout.qpos.tolist() == rollout.qpos.tolist()
-    assert session.plan.jump == JUMP
-    assert session.design == Design(JUMP, TUNING, SCENARIO)
-    shown = {"Board [mm]": 20, "Half board": True, "Disturb": True, "Seed": 7}
-    assert {label: tab.value(label) for label in shown} == shown
-    assert script.end == pytest.approx(2.3)
-    assert {"/shade/base", "/links/base"} < script.nodes()
 
 
 def test_what_was_saved_opens_as_it_was(tab, session):
@@ -121,28 +89,6 @@ def test_what_was_saved_opens_as_it_was(tab, session):
 
 
 # ---- for looking
-
-
-def test_another_tools_motion_becomes_a_pin_of_the_robot_that_is_shown(tab, session, script):
-    choose(tab, session, "go2")
-    tab.upload("Open", "foreign.csv", b"numbers")
-    tab.wait(lambda: len(pinned(tab)) == 1, "a ghost")
-    tab.wait(lambda: "/pinned/1/base" in script.nodes(), "its motion")
-    # It goes on when the plan that is shown has ended.
-    tab.wait(lambda: script.events["end"] == pytest.approx(2.0), "all of it on the timeline")
-    _, wxyz, _ = script.at("/pinned/1/base", 1.5)
-    assert abs(wxyz[3]) == pytest.approx(1, abs=1e-3)  # half a turn
-    tab.wait(lambda: "motion" in tab.text(), "its column")
-    for figure in ("Duration", "Apex", "Yaw at the end", "+180.0", "Flight time"):
-        assert figure in tab.text()
-    titles = {title for m in list(tab.controls.values()) if (title := m["props"].get("title"))}
-    assert "CoM position, z [m]" in titles
-    assert tab.control("Rate of the file [1/s]")["props"]["visible"]
-    tab.press("Use this design")
-    tab.wait(lambda: tab.notifications, "a remark")
-    assert tab.notifications[0][0] == "Not used"
-    tab.press("Unpin")
-    tab.wait(lambda: not pinned(tab), "no ghost")
 
 
 def test_what_was_saved_for_other_tools_comes_back_for_looking(tab, session, script):
@@ -190,17 +136,6 @@ def save(tab, count=1):
     tab.press("Export")
     tab.wait(lambda: len(tab.downloads) >= count, "a download")
     return tab.downloads[-1]
-
-
-def test_plan_or_simulation_can_be_chosen(tab, session):
-    assert not tab.control("Trajectory")["props"]["visible"]
-    tab.press("Simulate")
-    tab.wait_for_status("Landed")
-    tab.wait(lambda: tab.control("Trajectory")["props"]["visible"], "the choice")
-    assert tab.value("Trajectory") == "simulation"
-    assert save(tab)[0] == "anymal-llsrbm-plus-rollout.npz"
-    tab.set("Trajectory", "plan")
-    assert save(tab, 2)[0] == "anymal-llsrbm-plus-plan.npz"
 
 
 def test_several_formats_are_one_zip(tab, session):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 
-import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
@@ -45,8 +44,3 @@ class DrawnOverlay:
     def mesh(self, node):
         content = self.client.scene.nodes[node].glb_data
         return trimesh.load(io.BytesIO(content), file_type="glb", force="mesh")
-
-
-def middle_of(times, phase_ends):
-    """Index of the frame in the middle between two instants, s."""
-    return int(np.abs(times - np.mean(phase_ends)).argmin())
