@@ -2,9 +2,9 @@
 #   make app     sets up .venv, serves the designer, prints its address (with the token that opens it)
 #                and opens it where there is a display; LLSRBM_TOKEN=... make app takes a token
 #   make test    sets up .venv and a browser, then runs the tests
-# Others: make test-all (also the tests that are marked `nightly`: sweeps whose processes are killed,
-# the documentation's site), make durations (all, and keeps how long each file takes, which orders
-# later runs), make check (style and types), make bench (solve times; AGAINST=commit compares with an
+# Others: make test-all (also the tests that are marked `nightly`: those with the largest solvers, of
+# sweeps whose processes are killed, of the documentation's site), make durations (all, and keeps how
+# long each file takes, which orders later runs), make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may
 # be asked, planned and simulated), make paper (the paper's results into docs/paper.md), make peers
 # (other planners on the same jumps into docs/peers.md), make docs (the documentation as a site, in

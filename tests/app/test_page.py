@@ -130,6 +130,7 @@ def test_simulate_shows_the_whole_robot_beside_the_plan(page):
     wait_until(lambda: changed(before, picture(page)) < 500, "no ghost")
 
 
+@pytest.mark.nightly
 def test_with_the_real_planner(browser, tmp_path):
     designer = Designer(port=0, token="none")
     try:

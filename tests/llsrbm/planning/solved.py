@@ -34,8 +34,11 @@ FLIPS: dict[str, dict[str, Any]] = {
     "roll right": {"type": "barrel-roll", "roll": 2 * np.pi},
     "roll left": {"type": "barrel-roll", "roll": -2 * np.pi},
 }
-# Each has a solver of its own; what the mirrored roll could show alone can wait.
-EVERY_FLIP = ("flip", "roll right", pytest.param("roll left", marks=pytest.mark.nightly))
+# Each has a solver of its own; what rolls could show alone can wait.
+EVERY_FLIP = (
+    "flip",
+    *(pytest.param(name, marks=pytest.mark.nightly) for name in ("roll right", "roll left")),
+)
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from llsrbm.robots import load_robot
 ROBOT = load_robot("g1")
 ARMS = ROBOT.arm_joint_index
 TWIST = llsrbm.Jump(robot="g1", twist=2.0)
+solves = pytest.mark.nightly  # with the largest solvers that there are
 
 
 @cache
@@ -25,6 +26,7 @@ def plan(jump=TWIST):
     return llsrbm.plan(jump)
 
 
+@solves
 def test_arms_begin_and_end_as_they_hang_and_stay_within_their_ends():
     angles, speeds = plan().joint_position[:, ARMS], plan().joint_velocity[:, ARMS]
     np.testing.assert_allclose(angles[[0, -1]], np.tile(ROBOT.arm_angles, (2, 1)), atol=1e-4)
@@ -35,7 +37,7 @@ def test_arms_begin_and_end_as_they_hang_and_stay_within_their_ends():
     assert np.ptp(angles, axis=0).max() > 0.5
 
 
-@pytest.mark.nightly
+@solves
 def test_held_arms_stay_and_the_inertia_changes_less():
     held = plan(replace(TWIST, arms="held"))
     assert np.abs(held.joint_position[:, ARMS] - ROBOT.arm_angles).max() < 1e-9
@@ -43,6 +45,7 @@ def test_held_arms_stay_and_the_inertia_changes_less():
     assert spread[0] > 1.3 * spread[1]
 
 
+@solves
 def test_the_whole_body_has_the_planned_momentum_in_flight():
     """Pinocchio on the realised motion: the momentum that the plan says, within 5 % of its peak."""
     times = np.linspace(plan().lift_off, plan().touchdown, 30)[1:-1]
@@ -60,6 +63,7 @@ def test_the_whole_body_has_the_planned_momentum_in_flight():
     assert np.sqrt(np.mean(off**2)) < 0.03
 
 
+@solves
 def test_feet_and_com_are_where_planned_however_the_arms_are():
     """The postures' CoM moves as planned, by differences."""
     model, data = ROBOT.model, ROBOT.model.createData()
@@ -80,6 +84,7 @@ def test_problems_of_free_and_of_held_arms_differ():
         assert layout_of(replace(TWIST, **change), ROBOT).arm_joints == joints
 
 
+@solves
 def test_what_remains_is_planned_anew_from_arms_in_motion():
     replanner = Replanner(plan(), ROBOT)
     state = planned_state(plan(), 1)

@@ -211,6 +211,7 @@ def test_a_robot_pushed_aside_comes_to_rest_aside_whatever_its_heading():
     assert aside[1] == pytest.approx(aside[0], abs=5e-3)
 
 
+@pytest.mark.nightly
 def test_while_only_one_side_has_landed_the_other_is_planned_anew():
     first = llsrbm.plan(llsrbm.Jump(robot="anymal", type="one-foot-first", forward=0.1))
     at = planned_state(first, LANDING)
