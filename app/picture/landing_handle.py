@@ -74,22 +74,27 @@ class LandingHandle:
         self._target = None
         return read_pose(self._handle.wxyz, self._handle.position)
 
-    def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> None:
-        """Stand where a jump shall land, unless it is being dragged; no jump or robot: hidden."""
+    def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> bool:
+        """Stand where a jump shall land, unless it is being dragged; no jump or robot: hidden.
+
+        Returns whether it has just appeared: a page makes it anew then.
+        """
         shown = visible and target is not None and robot is not None
+        appears = shown and not self._handle.visible
         self._handle.visible = shown
         if target is None or robot is None:
-            return
+            return False
         if robot is not self._robot:
             self._robot = robot
             across = robot.feet[:, :2] - robot.feet[:, :2].mean(axis=0)
             self._handle.scale = float(_REACH * np.linalg.norm(across, axis=1).max())
         if self._held or target == self._target:
-            return
+            return appears
         self._target = target
         half = target.twist / 2
         self._handle.position = (target.forward, target.lateral, target.height)
         self._handle.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
+        return appears
 
 
 def read_pose(wxyz: object, position: object) -> LandingDragged | None:

@@ -160,8 +160,8 @@ class Rendering:
             self._link.call("remark.show", state.remark)
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in state.view.layers and state.shown is not None
-        self.handle.draw(state.design.jump, robot, visible=visible)
-        if self._push.draw(push_shown(state)):
+        appears = self.handle.draw(state.design.jump, robot, visible=visible)
+        if self._push.draw(push_shown(state)) or appears:
             self._link.call("player.settle")
 
     # ---- numbers and curves
