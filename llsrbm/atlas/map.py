@@ -88,7 +88,7 @@ class Map:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Of the colours' scale, SI."""
+        """Ends of the colours' scale, SI."""
         if self.colour.ends is not None:
             return self.colour.ends
         known = self.value[np.isfinite(self.value)]
@@ -105,7 +105,7 @@ class Map:
 
     @property
     def stops(self) -> tuple[int, ...]:
-        """Of a map of what stops jumps: those that are in it, by place in `jumps.stops`."""
+        """Limits in a map of what stops jumps, by place in `jumps.stops`; () for other maps."""
         if not self.colour.categorical:
             return ()
         return tuple(int(value) for value in np.unique(self.value[np.isfinite(self.value)]))

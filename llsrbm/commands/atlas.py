@@ -34,10 +34,11 @@ def atlas_command(
         typer.Option(metavar="FILE", help="Write the atlas' columns: .npz or .parquet."),
     ] = None,
     robot: Annotated[
-        list[str] | None, typer.Option(metavar="R", help="Of these alone; repeatable.")
+        list[str] | None,
+        typer.Option(metavar="R", help="Robots to show; repeatable [default: all]."),
     ] = None,
-    x: Annotated[str, typer.Option(help="Axis to the right.")] = "twist",
-    y: Annotated[str, typer.Option(help="Axis upwards.")] = "forward",
+    x: Annotated[str, typer.Option(help="Quantity along the axis to the right.")] = "twist",
+    y: Annotated[str, typer.Option(help="Quantity along the axis upwards.")] = "forward",
     colour: Annotated[
         str, typer.Option(help="plannable, strict, torque, flight or stopped-by.")
     ] = "plannable",

@@ -20,7 +20,7 @@ def check_command(
         typer.Argument(metavar="FILE", help="A native file, or another tool's (`llsrbm formats`)."),
     ],
     robot: Annotated[
-        str, typer.Option(metavar="R", help="Whose motion is in another tool's file.")
+        str, typer.Option(metavar="R", help="Robot that moves in another tool's file.")
     ] = "anymal",
     fps: Annotated[
         float | None, typer.Option(help="Frames per second of a file that does not say.")
@@ -31,7 +31,8 @@ def check_command(
 
     Checked at 1 kHz on the robot's plain URDF, without the planner or its models: stops, speeds and
     torques of the joints, friction, contact forces, standing feet, distances, dynamics.
-    The exit status is 1 if a check does not hold. What the file does not tell is not known.
+    The exit status is 1 if a check does not hold. Checks for which a file has too little are
+    unknown.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.certificate import certify

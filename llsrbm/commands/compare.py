@@ -28,7 +28,7 @@ def compare_command(
         typer.Argument(metavar="FILE...", help="Native files, or other tools' (`llsrbm formats`)."),
     ],
     robot: Annotated[
-        str, typer.Option(metavar="R", help="Whose motion is in other tools' files.")
+        str, typer.Option(metavar="R", help="Robot that moves in other tools' files.")
     ] = "anymal",
     fps: Annotated[
         float | None, typer.Option(help="Frames per second of files that do not say.")

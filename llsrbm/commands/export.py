@@ -32,18 +32,24 @@ def export_command(
     ],
     fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
     pad: Annotated[
-        float, typer.Option(metavar="S", help="Standing still before and after the motion.")
+        float,
+        typer.Option(
+            metavar="S", help="Time that the robot stands still before and after the motion."
+        ),
     ] = 0.0,
     order: Annotated[
-        str, typer.Option(metavar="O", help="Of bodies: depth-first or breadth-first.")
+        str,
+        typer.Option(metavar="O", help="Order of bodies and joints: depth-first or breadth-first."),
     ] = "depth-first",
-    size: Annotated[str, typer.Option(metavar="WxH", help="Of a video, pixels.")] = "960x540",
+    size: Annotated[str, typer.Option(metavar="WxH", help="Size of a video, pixels.")] = "960x540",
     camera: Annotated[
         str,
-        typer.Option(metavar="A,E,D", help="Of a video: azimuth, elevation [deg], distance [m]."),
+        typer.Option(
+            metavar="A,E,D", help="Camera of a video: azimuth, elevation [deg], distance [m]."
+        ),
     ] = "",
     packed: Annotated[
-        bool, typer.Option("--packed", help="With the messages of a robot's wire themselves.")
+        bool, typer.Option("--packed", help="Also write the robot's own messages, packed.")
     ] = False,
 ) -> int:
     """Write a native file, a plan's or a rollout's, in other formats.

@@ -38,18 +38,21 @@ def robot_sim_command(
         typer.Option(metavar="PLAN.npz", help="Stand among the boxes of this plan's jump."),
     ] = None,
     delay_ms: Annotated[
-        float, typer.Option(metavar="MS", help="From a command until motors follow it.")
+        float, typer.Option(metavar="MS", help="Delay from a command until motors follow it.")
     ] = 2.0,
     delay_spread_ms: Annotated[
-        float, typer.Option(metavar="MS", help="More or less, drawn for each command.")
+        float, typer.Option(metavar="MS", help="Delay jitter, drawn for each command.")
     ] = 1.0,
     lost: Annotated[
-        float, typer.Option(metavar="SHARE", help="Of the messages, in both directions.")
+        float,
+        typer.Option(metavar="SHARE", help="Share of messages that are lost, in both directions."),
     ] = 0.0,
     late: Annotated[
-        float, typer.Option(metavar="SHARE", help="Of the messages that come late.")
+        float, typer.Option(metavar="SHARE", help="Share of messages that come late.")
     ] = 0.0,
-    late_ms: Annotated[float, typer.Option(metavar="MS", help="By how much these do.")] = 20.0,
+    late_ms: Annotated[
+        float, typer.Option(metavar="MS", help="Extra delay of late messages.")
+    ] = 20.0,
     held: Annotated[
         bool,
         typer.Option(
@@ -62,7 +65,7 @@ def robot_sim_command(
     ] = True,
     seed: Annotated[int, typer.Option(help="Draws delays, losses and the sensors' errors.")] = 0,
     duration: Annotated[
-        float | None, typer.Option(metavar="S", help="[default: until Ctrl-C].")
+        float | None, typer.Option(metavar="S", help="Simulated time [default: until Ctrl-C].")
     ] = None,
     fifo: Annotated[
         bool, typer.Option("--fifo", help="Run before all else; the system must allow it.")

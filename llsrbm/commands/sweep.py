@@ -39,7 +39,9 @@ def sweep_command(
             help="Time a jump, simulations included [default: 300, and 30 for each simulation].",
         ),
     ] = None,
-    yes: Annotated[bool, typer.Option("--yes", help="Begin, however large it is.")] = False,
+    yes: Annotated[
+        bool, typer.Option("--yes", help="Start a sweep of more than a million rows.")
+    ] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Plan, and simulate, many jumps; DIR/jumps.parquet has a row of each.
@@ -171,7 +173,8 @@ def _description(result: dict[str, Any]) -> dict[str, str]:
 
 def dataset_command(
     sweep: Annotated[
-        Path, typer.Argument(metavar="DIR", help="What `llsrbm sweep` wrote, with simulations.")
+        Path,
+        typer.Argument(metavar="DIR", help="Folder that `llsrbm sweep` wrote, with simulations."),
     ],
     format_: Annotated[
         str,

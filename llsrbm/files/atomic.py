@@ -1,9 +1,9 @@
 """Writing files and folders so that nobody ever sees half of one.
 
-What is written stands in a hidden folder `.llsrbm-....tmp` beside its place until it is complete. A
-process that is killed in between leaves that folder behind, and under the name what was there
-before. A folder takes the place of another in two steps, between which the name is free for some
-microseconds.
+A file or folder that is being written stands in a hidden folder `.llsrbm-....tmp` beside its place
+until it is complete. A process that is killed in between leaves that folder behind, and under the
+name the file that was there before. A folder takes the place of another in two steps, between which
+the name is free for some microseconds.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ def staged(path: str | Path) -> Iterator[Path]:
     """A path of the same name to write a file or a folder to, with others beside it if need be.
 
     All of them take their places when the block ends well, what the path names last; otherwise
-    nothing is left. They get the permissions of any new file. A symbolic link is followed. What is
-    not a regular file (a pipe, /dev/stdout) gets the bytes of the one file.
+    nothing is left. They get the permissions of any new file. A symbolic link is followed. A
+    pipe or a device (/dev/stdout) gets the bytes of the one file.
 
     Raises:
         InputError: the path cannot be written, or names a folder that was not written by this.

@@ -153,7 +153,7 @@ def check_schema(arrays: Arrays, path: str | Path, *known: str) -> str:
 
 
 def _version(arrays: Arrays, path: str | Path) -> str:
-    """Of the package that wrote the file, as far as that can be read in a file of any version."""
+    """Version of the package that wrote the file, in brackets; "" where it cannot be read."""
     try:
         version = json.loads(text(arrays, "meta", path))["package_version"]
     except (FileFormatError, ValueError, LookupError, TypeError, RecursionError):

@@ -93,12 +93,12 @@ class Archive:
 
     @property
     def names(self) -> Mapping[str, object]:
-        """Of the members, to look up and to go through."""
+        """Names of the members, to look up and to go through."""
         return self._members
 
     @property
     def keys(self) -> frozenset[str]:
-        """Of the arrays."""
+        """Keys of the arrays."""
         return frozenset(n.removesuffix(".npy") for n in self._members if n.endswith(".npy"))
 
     def content(self, name: str) -> bytes:
@@ -166,7 +166,7 @@ def open_archive(
 
 
 def keys(path: str | Path) -> frozenset[str]:
-    """Of the arrays in an npz file, without reading them; none where it is no such file."""
+    """Keys of the arrays in an npz file, which are not read; none where it is no such file."""
     try:
         with open_archive(path) as archive:
             return archive.keys

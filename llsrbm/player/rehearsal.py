@@ -40,7 +40,7 @@ def rehearse(tier: str, plan: Plan, robot: Robot) -> None:
 
 
 def _at_rest(tier: Tier, time: float) -> Readings:
-    """Of a robot that stands as the plan begins."""
+    """Readings of a robot that stands as the plan begins."""
     q = tier.first.q
     still = np.zeros(len(q) - 7)
     up = tier.first.planned.up

@@ -41,11 +41,11 @@ class Jump:
     forward: Annotated[float, Number("Displacement along x", "M", unit="m")] = 0.0
     lateral: Annotated[float, Number("Displacement to the left", "M", unit="m")] = 0.0
     height: Annotated[
-        float, Number("Of the landing surface above the ground at the start", "M", unit="m")
+        float, Number("Height of the landing surface above the ground at the start", "M", unit="m")
     ] = 0.0
     type: Annotated[
         str,
-        Name("Of jump: a name (see `llsrbm types`) or the path of a type's TOML file", "", 1000),
+        Name("Jump type: a name (see `llsrbm types`) or the path of a type's TOML file", "", 1000),
     ] = "together"
     roll: Annotated[
         float,
@@ -61,15 +61,18 @@ class Jump:
             unit="rad",
         ),
     ] = 0.0
-    speed: Annotated[float, Number("Forward, of the CoM at the start", "M/S", unit="m/s")] = 0.0
+    speed: Annotated[float, Number("Forward speed of the CoM at the start", "M/S", unit="m/s")] = (
+        0.0
+    )
     end_speed: Annotated[
-        float, Number("Forward at the end, along the landing heading", "M/S", unit="m/s")
+        float, Number("Forward speed at the end, along the landing heading", "M/S", unit="m/s")
     ] = 0.0
     hops: Annotated[
         int, Whole("Jumps in a row, each as far as the displacement says", "N", 1, MOST_HOPS)
     ] = 1
     arms: Annotated[
-        str, Name("Of robots with arms: free, to shape the inertia, or held as they hang")
+        str,
+        Name("Arms, where the robot has some: free, to shape the inertia, or held as they hang"),
     ] = FREE
 
     def __post_init__(self) -> None:
@@ -95,7 +98,7 @@ class Jump:
 
 
 def changes(wanted: Jump, found: Jump) -> str:
-    """By what a jump differs from the one that was asked for: "136° instead of 170°".
+    """Difference of a jump from the one that was asked for: "136° instead of 170°".
 
     Components that look alike are left out, and the name of the twist where nothing else differs.
     """

@@ -72,7 +72,7 @@ class Schedule:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the phases."""
+        """Names of the phases."""
         return tuple(phase.name for phase in self.phases)
 
     @cached_property

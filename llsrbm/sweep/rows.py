@@ -192,7 +192,7 @@ LIMIT = "limit_"
 
 
 def schema(spec: Spec) -> pa.Schema:
-    """Of a sweep's table, units and meanings beside the fields."""
+    """Schema of a sweep's table, with units and meanings beside the fields."""
     import pyarrow as pa
 
     types = {
@@ -238,7 +238,7 @@ def origin(spec: Spec) -> dict[str, str]:
 
 
 def robot_hash(name_or_path: str) -> str:
-    """Of a robot's file and its URDF, as they are now. Raises `InputError`: no such robot, or a
+    """Hash of a robot's file and its URDF as they are now. Raises `InputError`: no such robot, or a
     `RobotFileError`: its file is wrong.
     """
     from llsrbm.robots import load_robot

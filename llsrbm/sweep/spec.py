@@ -262,7 +262,7 @@ class Spec(Table):
         return len(self._seeds) if isinstance(self._seeds, tuple) else self._seeds or 1
 
     def simulation_seed(self, row: int) -> int | None:
-        """Of the row with that number; None: undisturbed, or not simulated."""
+        """Seed of the row with that number; None: undisturbed, or not simulated."""
         if isinstance(self._seeds, tuple):
             return int(self._seeds[row % len(self._seeds)])
         return None if self._seeds is None else self.seed + row

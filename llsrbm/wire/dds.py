@@ -86,7 +86,7 @@ def sample_type(layout: Layout) -> Any:
         return of(layout.from_wire(data))
 
     def no_key(of: type[Any], /, data: bytes, **_: Any) -> None:
-        """Of the sample that marks a writer's end: these types have no key."""
+        """Key of the sample that marks a writer's end: these types have none."""
 
     made.__init__, made.serialize, made.deserialize = keep, serialize, classmethod(deserialize)
     made.deserialize_key = classmethod(no_key)

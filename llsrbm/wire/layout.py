@@ -69,7 +69,7 @@ class Layout:
 
     @staticmethod
     def checksum(record: Record) -> int:
-        """Of the C structure without its last word, as Unitree's robots expect it there.
+        """Checksum of the C structure without its last word, where Unitree's robots expect it.
 
         CRC-32 of polynomial 04C11DB7 and start FFFFFFFF, not reflected, no final inversion, over
         words of which the most significant byte comes first. zlib's is the reflected one, with it.

@@ -126,7 +126,7 @@ class SimulatedRobot:
 
     @property
     def voltage(self) -> float:
-        """Of the battery, share of its voltage without load."""
+        """Voltage of the battery, as a share of that without load."""
         return self.world.drives.voltage
 
     def send(self, command: MotorCommand, time: float | None = None) -> None:

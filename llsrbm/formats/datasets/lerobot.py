@@ -195,7 +195,7 @@ class _Writer:
 
 
 def _stats(values: NDArray[Any]) -> dict[str, list[float]]:
-    """Of (K, n) values, n of each; how many there are, once."""
+    """Statistics of (K, n) values: n numbers of each, and one count."""
     wide = values.astype(np.float64)
     found = {name: getattr(wide, name)(axis=0) for name in ("min", "max", "mean", "std")}
     quantiles = np.quantile(wide, _QUANTILES, axis=0)

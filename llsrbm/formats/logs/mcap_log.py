@@ -291,7 +291,7 @@ def pose(xyz: Iterable[float], wxyz: Iterable[float]) -> fm.Pose:
 
 
 def colour(rgb: Iterable[int], opacity: float = 1.0) -> fm.Color:
-    """Of 0 to 255."""
+    """Foxglove's colour of parts from 0 to 255."""
     r, g, b = (float(part) / 255 for part in rgb)
     return fm.Color(r=r, g=g, b=b, a=opacity)
 

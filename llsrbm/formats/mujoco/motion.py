@@ -103,7 +103,7 @@ def _motions(names: Mapping[str, object]) -> list[str]:
 
 
 def _joint_names(arrays: Arrays, count: int, robot: Robot, where: str) -> list[str]:
-    """Of `count` joints: the file's names, else those of the robot's model or of its own URDF."""
+    """Names of `count` joints: the file's, else those of the robot's model or of its own URDF."""
     if "joint_names" in arrays:
         return _names(arrays, count, where)
     own = body_order(robot, ORDERS[0]).joints

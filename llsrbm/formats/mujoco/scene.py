@@ -213,7 +213,7 @@ def _lift_out_of_frames(body: ET.Element) -> None:
 
 
 def exported_name(name: str) -> str:
-    """Of what the simulation calls "world/box", say: dm_control keeps the slash for itself."""
+    """Name without the slash of the simulation's "world/box", which dm_control reserves."""
     return name.replace("/", "-")
 
 

@@ -71,7 +71,7 @@ def _fits(robot: Robot) -> None:
 
 
 def _configuration(table: CommandTable) -> dict[str, Any]:
-    """Of the motors, under the names that odri_control_interface's configuration has for them."""
+    """The motors' numbers under the names of odri_control_interface's configuration."""
     wire, motors = table.robot.file.wire, table.motors
     assert wire is not None  # the table could not be without it
     one = np.ones(len(table.robot.joint_names))
