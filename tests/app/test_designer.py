@@ -21,7 +21,6 @@ import pytest
 import app.designer
 from app.designer import Designer, check_bindable, serve
 from app.serve import stop_on_signal
-from app.tab.start.initial_plan import example
 from llsrbm import cli
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
@@ -85,24 +84,6 @@ def test_an_address_that_cannot_be_bound_is_refused(host, port, message):
     assert "\n" not in str(refused.value)
 
 
-def test_the_plan_that_tabs_begin_with_is_there_at_once_the_second_time(tmp_path, monkeypatch):
-    # Apart from the cache of fits, which takes long to fill.
-    entry = tmp_path / "opening.npz"
-    monkeypatch.setattr("app.tab.start.initial_plan.cache_path", lambda *_: entry)
-    ready = threading.Event()
-    monkeypatch.setattr("builtins.print", lambda *words, **_: words == ("ready",) and ready.set())
-    with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
-        assert designer.initial.plan("anymal") is None
-        designer.warm_up("anymal")
-        assert ready.wait(20)
-        plan = designer.initial.plan("anymal")
-    assert plan.jump == example("anymal")
-    with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
-        designer.warm_up("anymal")
-        assert designer.initial.plan("anymal").jump == plan.jump
-        assert designer.initial.plan("go2") is None
-
-
 def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
     lines, ready = [], threading.Event()
 
@@ -112,8 +93,6 @@ def test_the_terminal_hears_of_steps_not_of_iterations(monkeypatch):
             ready.set()
 
     monkeypatch.setattr("builtins.print", take)
-    monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.recall", lambda *_: None)
-    monkeypatch.setattr("app.tab.start.initial_plan.InitialPlans.keep", lambda *_: None)
     monkeypatch.setattr("app.designer.example", lambda robot: Jump(twist=planners.ITERATING))
     with closing(Designer(port=0, planner=SyntheticPlanner)) as designer:
         designer.warm_up("anymal")

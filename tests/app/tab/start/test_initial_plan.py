@@ -1,4 +1,4 @@
-"""The plan that tabs begin with: kept, recalled, shipped, and not confused with another one."""
+"""The plan that tabs begin with: the one that ships, and not another one's."""
 
 from __future__ import annotations
 
@@ -27,66 +27,6 @@ from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    plan = synthetic_plan(example("anymal"))
-    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
-    InitialPlans("planner").keep(plan)
-    return tmp_path
-
-
-def test_what_one_server_kept_the_next_recalls(folder):
-    plans = InitialPlans("planner")
-    assert plans.plan("anymal") is None
-    plans.recall("anymal")
-    plan = plans.plan("anymal")
-    assert plan.jump == example("anymal")
-    assert np.array_equal(plan.com, synthetic_plan(plan.jump).com)
-
-
-def test_another_planners_plan_or_another_robots_is_not_recalled(folder):
-    for plans, robot in ((InitialPlans("another"), "anymal"), (InitialPlans("planner"), "go2")):
-        plans.recall(robot)
-        assert plans.plan(robot) is None
-
-
-def test_a_damaged_entry_counts_as_none(folder, caplog):
-    (entry,) = folder.glob("initial-plans-*/*")
-    entry.write_bytes(entry.read_bytes()[:-10])
-    plans = InitialPlans("planner")
-    with caplog.at_level(logging.WARNING):
-        plans.recall("anymal")
-    assert plans.plan("anymal") is None
-    assert "damaged" in caplog.text
-
-
-def test_a_newer_plan_takes_the_place_of_the_recalled(folder):
-    plans = InitialPlans("planner")
-    plans.recall("anymal")
-    newer = synthetic_plan(example("anymal"))
-    plans.keep(newer)
-    plans.recall("anymal")
-    assert plans.plan("anymal") is newer
-
-
-def test_a_cache_that_cannot_be_written_is_only_a_warning(tmp_path, monkeypatch, caplog):
-    (tmp_path / "file").touch()
-    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path / "file"))
-    plans = InitialPlans("planner")
-    plan = synthetic_plan(example("anymal"))
-    plans.keep(plan)
-    assert plans.plan("anymal") is plan
-    assert "not kept" in caplog.text
-
-
-# ---- the plans that come with the package
-
-
-@pytest.fixture
-def no_cache(tmp_path, monkeypatch):
-    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
-
-
 @pytest.mark.parametrize("robot", names())
 def test_the_shipped_plan_is_the_examples_of_the_robot_of_today(robot, caplog):
     """Where it fails: python -m benchmarks.initial_plans."""
@@ -111,23 +51,16 @@ def test_a_shipped_plan_satisfies_its_constraints(robot):
     assert np.abs(knots.force.reshape(plan.contact_force.shape) - plan.contact_force).max() < 1e-6
 
 
-@pytest.mark.usefixtures("no_cache")
-def test_without_a_kept_plan_tabs_begin_with_the_shipped_one():
-    plans = InitialPlans(LIBRARY_PLANNER)
-    plans.recall("anymal")
+def test_tabs_begin_with_the_shipped_plan_until_there_is_a_newer_one():
+    plans, other = InitialPlans(LIBRARY_PLANNER), InitialPlans("another")
+    for each in (plans, other):
+        each.recall("anymal")
     assert np.array_equal(plans.plan("anymal").com, load_plan(shipped_file("anymal")).com)
-    other = InitialPlans("another")
-    other.recall("anymal")
     assert other.plan("anymal") is None
-
-
-@pytest.mark.usefixtures("no_cache")
-def test_a_kept_plan_comes_before_the_shipped_one():
-    kept = replace(shipped_plan("anymal"), com=shipped_plan("anymal").com + 0.001)
-    InitialPlans(LIBRARY_PLANNER).keep(kept)
-    plans = InitialPlans(LIBRARY_PLANNER)
+    newer = synthetic_plan(example("anymal"))
+    plans.keep(newer)
     plans.recall("anymal")
-    assert np.array_equal(plans.plan("anymal").com, kept.com)
+    assert plans.plan("anymal") is newer
 
 
 def damage_nothing_but(what):
@@ -152,7 +85,6 @@ def damage_nothing_but(what):
     return spoil
 
 
-@pytest.mark.usefixtures("no_cache")
 @pytest.mark.parametrize(
     ("what", "reason"),
     [
