@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import logging
 import math
-import resource
 import tempfile
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
@@ -84,6 +83,11 @@ def open_file(name: str, content: bytes, robot: str, fps: float | None = None) -
 @contextmanager
 def growing_by(most: int) -> Iterator[None]:
     """Have what would make the process larger by so many bytes fail with `MemoryError` (Linux)."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        yield
+        return
     before = resource.getrlimit(resource.RLIMIT_DATA)
     with suppress(OSError, ValueError):  # elsewhere, or the limit is lower already
         pages = int(Path("/proc/self/statm").read_text("ascii").split()[5])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import resource
 import sys
 import tempfile
 from collections.abc import Callable
@@ -215,7 +214,11 @@ def main(connection: Connection, stop: Any, factory: tasks.PlannerFactory) -> No
 
 
 def _memory() -> float:
-    """Bytes that this process holds now; without /proc, the most that it has held."""
+    """Bytes that this process holds now; without /proc, the most that it has held; 0: unknown."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return 0.0
     try:
         pages = int(Path("/proc/self/statm").read_text("ascii").split()[1])
         return pages * resource.getpagesize()

@@ -46,7 +46,10 @@ USED = {
     "llsrbm.api": "",
     "llsrbm.cli": "llsrbm.cli.main(['formats'])",
     "llsrbm.formats": "",
+    "app.serve": "",
     "llsrbm.sweep.folder": "",
+    "app.workers.worker": "app.workers.worker._memory()",
+    "app.workers.file_reading": "with app.workers.file_reading.growing_by(1): pass",
     "llsrbm.wire.real_time": "llsrbm.wire.real_time.go_first()",
 }
 
