@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import contextlib
-import os
 import time
 
 import pytest
 
 from app.workers.pool import WorkerPool
-from app.workers.reports import Cancelled, Failed, Planned, Prepared, Progress, Refused
+from app.workers.reports import Cancelled, Failed, Planned, Prepared, Progress
 from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
 from tests.app import planners
@@ -60,19 +59,6 @@ def test_a_users_error_is_a_message_and_the_process_lives_on(shared_pool, task, 
     assert shared_pool.process_ids == before
 
 
-def test_a_request_that_is_not_feasible_is_refused_with_where_planning_ended(shared_pool):
-    tab = Tab(shared_pool)
-    before = shared_pool.process_ids
-    jump = Jump(twist=planners.UNSOLVABLE)
-    shared_pool.submit("tab", PlanJump(jump), tab.reports.put)
-    report = tab.outcome()
-    assert isinstance(report, Refused)
-    assert (report.jump, report.nearest) == (jump, None)
-    assert report.reason == "no convergence: reach violated in flight by 0.02 m"
-    assert not report.last.solved
-    assert shared_pool.process_ids == before
-
-
 def test_the_newest_waiting_request_wins(shared_pool):
     busy, tab = Tab(shared_pool, "busy"), Tab(shared_pool, "tab")
     busy.wait_until_running(busy.plan(planners.SLOW))
@@ -112,20 +98,6 @@ def test_cancel_is_heard_at_once_and_a_planner_that_asks_keeps_its_process(share
     assert shared_pool.process_ids[0] == process
 
 
-def test_a_job_that_does_not_stop_is_ended_with_its_process(shared_pool):
-    tab = Tab(shared_pool)
-    job = tab.plan(planners.STUBBORN)
-    tab.wait_until_running(job)
-    process = shared_pool.process_ids[0]
-    shared_pool.cancel("tab")
-    assert tab.outcome() == Cancelled(job)
-    tab.plan()
-    assert isinstance(tab.outcome(), Planned)
-    assert shared_pool.process_ids[0] != process
-    with pytest.raises(ProcessLookupError):
-        os.kill(process, 0)
-
-
 def test_cancelling_reaches_waiting_jobs_and_no_other_tab(shared_pool):
     busy, tab = Tab(shared_pool, "busy"), Tab(shared_pool, "tab")
     busy.wait_until_running(busy.plan(planners.SLOW))
@@ -133,16 +105,6 @@ def test_cancelling_reaches_waiting_jobs_and_no_other_tab(shared_pool):
     shared_pool.cancel("tab")
     assert tab.outcome(timeout=0.5) == Cancelled(job)
     assert isinstance(busy.outcome(), Planned)
-
-
-def test_a_long_job_makes_way_for_its_tabs_newer_request(shared_pool):
-    tab = Tab(shared_pool)
-    old = tab.plan(planners.SLOW)
-    tab.wait_until_running(old)
-    new = tab.plan()
-    assert tab.outcome() == Cancelled(old)
-    report = tab.outcome()
-    assert (type(report), report.job) == (Planned, new)
 
 
 def test_a_simulation_tells_per_cents_to_its_tab_and_words_to_others(shared_pool):

@@ -16,7 +16,6 @@ from app.workers.pool import WorkerPool
 from app.workers.reports import Cancelled, Failed, Planned, Progress, Refused, Simulated
 from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
-from llsrbm.request.tuning import Tuning
 from tests.app import planners
 from tests.app.planners import HeavyPlanner, SyntheticPlanner
 from tests.app.pool_tab import Tab
@@ -161,13 +160,6 @@ def test_who_changes_his_mind_does_not_wait_for_a_solver_that_is_being_built(own
     assert took < 2.0  # of a minute
     own_pool.cancel("tab")
     assert tab.outcome() == Cancelled(old)
-
-
-def test_a_plan_comes_with_its_tuning(pool):
-    tab = Tab(pool)
-    tuning = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
-    tab.plan(tuning=tuning, near=None)
-    assert tab.outcome().plan.tuning == tuning
 
 
 def test_a_refusal_comes_with_the_nearest_plan_if_there_is_one(pool):
