@@ -38,21 +38,18 @@ class Visitor:
 
     def set(self, label, value):
         if self.tab.value(label) != value:
-            self._answered(lambda: self.tab.set(label, value))
-            self.took.append(self.last)
+            self.took.append(self.answered(lambda: self.tab.set(label, value)))
 
-    def simulate(self):
-        self._answered(lambda: self.tab.press("Simulate"))
-
-    def _answered(self, act):
+    def answered(self, act):
+        """The time (s) from an act to its answer."""
         before, began = self.session.state, time.monotonic()
         act()
         while self.session.state is before or self._waits():
             if time.monotonic() - began > PATIENCE:
                 raise TimeoutError(self.tab.status())
             time.sleep(0.02)
-        self.last = time.monotonic() - began
         self.verdicts[self.session.state.status.verdict] += 1
+        return time.monotonic() - began
 
     def _waits(self):
         state = self.session.state
@@ -60,16 +57,18 @@ class Visitor:
         return busy and state.status.verdict is not Verdict.FAILED
 
 
-def visit(visitor, until):
-    """All that the menus offer, until a time (s, monotonic clock)."""
+def visit(visitor, until, robots, types):
+    """All that the menus offer, or of them what is chosen, until a time (s, monotonic clock)."""
     tab = visitor.tab
 
-    def options(label):
-        return tab.control(label)["props"]["options"]
+    def options(label, chosen=()):
+        return [
+            each for each in tab.control(label)["props"]["options"] if each in chosen or not chosen
+        ]
 
-    for robot in options("Robot"):
+    for robot in options("Robot", robots):
         visitor.set("Robot", robot)
-        for kind in options("Jump type"):
+        for kind in options("Jump type", types):
             visitor.set("Jump type", kind)
             for model in options("Model"):
                 visitor.set("Model", model)
@@ -79,7 +78,7 @@ def visit(visitor, until):
                 if time.monotonic() > until:
                     return
             print(f"{robot}, {kind}: {visitor.took[-1]:.2f} s", flush=True)
-        visitor.simulate()
+        visitor.answered(lambda: tab.press("Simulate"))
 
 
 def watch(pool, peaks, stop):
@@ -97,6 +96,8 @@ def watch(pool, peaks, stop):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=60.0)
+    parser.add_argument("--robots", nargs="*", default=(), help="their titles; all by default")
+    parser.add_argument("--types", nargs="*", default=(), help="likewise")
     options = parser.parse_args()
     peaks, stop = {}, threading.Event()
     with closing(Designer(port=0, token="none")) as designer:
@@ -104,10 +105,10 @@ def main():
         with RawTab(designer.port) as tab:
             tab.wait_for_status("Feasible", timeout=PATIENCE)
             visitor = Visitor(tab, designer.sessions[0])
-            visit(visitor, time.monotonic() + 60 * options.minutes)
+            until = time.monotonic() + 60 * options.minutes
+            visit(visitor, until, options.robots, options.types)
         stop.set()
-    for pid, most in peaks.items():
-        print(f"process {pid}: {most:.0f} MB at most")
+    print(*(f"process {pid}: {most:.0f} MB at most" for pid, most in peaks.items()), sep="\n")
     for tenth, took in enumerate(np.array_split(visitor.took, TENTHS), start=1):
         print(f"answers, tenth {tenth}: median {np.median(took):.2f} s, longest {took.max():.2f} s")
     print(", ".join(f"{count} x {verdict.value}" for verdict, count in visitor.verdicts.items()))
