@@ -111,7 +111,7 @@ class Designer:
 
     @property
     def sessions(self) -> tuple[Session, ...]:
-        """Of the tabs that are open."""
+        """Sessions of the tabs that are open."""
         return self.tabs.sessions
 
     def warm_up(self, robot: str) -> None:

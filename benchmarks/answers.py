@@ -5,7 +5,7 @@
 Requests are uniform over the robot file's [task], one after another on an otherwise idle machine,
 planned as the page and `llsrbm plan` do. Times are from request to answer, as multiples of the
 median of plain cold plans in the same run: from the analytic guess, solved by the first attempt.
-Of refusals what is named is checked: with that limit alone, or with both where two are said to stop
+A refusal's limit is checked: with that limit alone, or with both where two are said to stop
 it together, the request has to be planned: as loose as is said to be needed, or at the loose end.
 `--limit NAME=VALUE` tightens limits, for more refusals; `--hurried` takes the page's first answer,
 the nearest jump as first found, its reasons unchecked; `--out` keeps a line a request.

@@ -15,7 +15,7 @@ from llsrbm.motion.outcome import Outcome
 
 
 class Counts(NamedTuple):
-    """Of all requests those planned, that stand at the end, are strict, recovered."""
+    """Requests, and those planned, that stand at the end, are strict, recovered."""
 
     requests: int
     planned: int

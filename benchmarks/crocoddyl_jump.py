@@ -121,7 +121,7 @@ def motion(model: pinocchio.Model, solver: crocoddyl.SolverAbstract) -> dict[str
 
 
 def names(contacts: object) -> list[str]:
-    """Of the contacts or impulses of a knot."""
+    """Names of the contacts or impulses of a knot."""
     return [item.key() for item in contacts]
 
 

@@ -55,7 +55,7 @@ def plan_of(name: str, folder: Path) -> llsrbm.Plan:
 
 
 def figures(name: str, folder: Path, tier: str, disturbed: bool, seed: int) -> dict[str, Any]:
-    """Of one play."""
+    """Figures of one play."""
     plan = plan_of(name, folder)
     drawn = draw_disturbance(llsrbm.Scenario(seed=seed)) if disturbed else Disturbance()
     played = play(plan, load_robot(plan.jump.robot), tier, seed, disturbance=drawn)
@@ -90,7 +90,7 @@ def causes(row: dict[str, Any]) -> list[str]:
 
 
 def line(name: str, tier: str, rows: list[dict[str, Any]]) -> str:
-    """Of the table."""
+    """Line of the table."""
     standing = [row for row in rows if row["status"] == "landed"]
     strict = sum(row["strict"] for row in rows)
     stopped = sum(bool(row.get("stopped")) for row in rows)

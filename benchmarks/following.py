@@ -165,7 +165,8 @@ def main(
     against: Annotated[Path | None, typer.Option(help="Results to print as well.")] = None,
     refine: Annotated[bool, typer.Option("--refine", help="With the second stage.")] = False,
     delay_unknown: Annotated[
-        bool, typer.Option("--delay-unknown", help="Of drives, to the controller.")
+        bool,
+        typer.Option("--delay-unknown", help="The controller does not know the drives' delay."),
     ] = False,
 ) -> None:
     """Print a row a robot."""

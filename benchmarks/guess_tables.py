@@ -4,7 +4,7 @@
     python -m benchmarks.guess_tables --sweep guesses-flips --robots go2
 
 `--sweep` is a spec's name or file, or the folder of a sweep that is done; then only what was
-planned there is solved again. Of each jump a second one is made that asks for one or two of its
+planned there is solved again. Each jump is followed by a second one that asks for one or two of its
 components alone, as most requests do. To be run after a change of a robot file, of the planner's
 constraints or costs, or of the version: until then tables are refused, and
 `tests/llsrbm/planning/solve/test_guess_table.py` fails.
@@ -84,7 +84,7 @@ def of_tables(requested: list[Jump]) -> Iterator[list[Jump]]:
 
 
 def solutions(planner: Planner, requested: list[Jump]) -> list[Solved]:
-    """Of those that can be planned at once.
+    """Solutions of those that can be planned at once.
 
     A whole turn is planned from the one nearest to it among those before, from the spot outwards:
     from guesses turns of many kinds are found, between which nothing can be interpolated.

@@ -8,10 +8,11 @@
 The robot file's [task] does not bound it. A component grows by steps, which are halved where no way
 leads on: following, solving from the last motion, from that motion moved as the analytic guesses
 differ, and from the analytic guess; then the same under other weights, which guide the search and
-bound nothing: of each `--weight` the set. What the last try violates is printed. `--limit` may be
-outside of the range that requests take; `--without` takes the drives' limits off all joints that
-have such a word in their names; `--wide-arms` lets arms move up to their stops. `--seeds` simulates
-the largest with everything disturbed, `--at` other values on the way, too.
+bound nothing: of each `--weight` the set. Constraints that the last try violates are printed.
+`--limit` may be outside of the range that requests take; `--without` takes the drives'
+limits off all joints that have such a word in their names; `--wide-arms` lets arms move up to their
+stops. `--seeds` simulates the largest with everything disturbed, `--at` other values on the way,
+too.
 """
 
 from __future__ import annotations

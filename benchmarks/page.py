@@ -80,7 +80,7 @@ RENDERED = "() => [performance.now(), window.__viserTestpoints.rendererInfo.rend
 
 
 def processor_time(pid):
-    """Of a process without its children, s."""
+    """Processor time of a process without its children, s."""
     fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 

@@ -11,7 +11,7 @@ third failure. With `--random`, that many pushes of random direction and moment,
 half is recovered from without replanning, or of `--size`. `ROBOT@DEG` is a twist on the spot by so
 many degrees in place of the robot's jump below. With `--replans`, how long so many of them take.
 
-Everything is disturbed. What is done is appended to the file, and not done again.
+Everything is disturbed. Results are appended to the file, and not computed again.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ class Cell:
 
 
 def jump_of(robot: str) -> llsrbm.Jump:
-    """Of a robot's name, or `ROBOT@DEG`."""
+    """Jump of a robot's name, or `ROBOT@DEG`."""
     name, _, twist = robot.partition("@")
     return llsrbm.Jump(robot=name, twist=math.radians(float(twist))) if twist else JUMPS[name]
 
@@ -107,7 +107,7 @@ def guess_for(robot: str) -> int:
 
 
 def allowed_failures(seeds: int) -> int:
-    """Of so many seeds that may fail on a rung that passes."""
+    """Number of seeds that may fail on a rung that passes."""
     return seeds // FAILURES
 
 

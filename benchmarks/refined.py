@@ -156,7 +156,7 @@ def main(
     types: Annotated[str, typer.Option(help="Jump types.")] = "together",
     count: Annotated[int, typer.Option("--requests", help="A robot and type.")] = 40,
     seed: Annotated[int, typer.Option(help="Draws requests.")] = 7200,
-    share: Annotated[float, typer.Option(help="Of the displacements.")] = 1.0,
+    share: Annotated[float, typer.Option(help="Share of the displacements.")] = 1.0,
     compiled: Annotated[bool, typer.Option(help="Wait for the compiler first.")] = False,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
 ) -> None:

@@ -39,7 +39,7 @@ from llsrbm.sweep.rows import TIMES
 
 app = typer.Typer(add_completion=False, help=__doc__)
 
-Jumps = Annotated[int, typer.Option(help="Of the sweep.")]
+Jumps = Annotated[int, typer.Option(help="Jumps of the sweep.")]
 Seeds = Annotated[int, typer.Option(help="Simulations a jump; 0: plan only.")]
 Patient = Annotated[bool, typer.Option(help="Try other guesses where the analytic one fails.")]
 
@@ -106,7 +106,7 @@ def parts(out: Path) -> int:
 
 
 def worker_processes(client: psutil.Process) -> list[psutil.Process]:
-    """Of a client's local cluster."""
+    """Worker processes of a client's local cluster."""
     found = []
     with suppress(psutil.NoSuchProcess):
         for child in client.children(recursive=True):
@@ -280,7 +280,7 @@ def scaling(
 @app.command()
 def workers(
     sweep: Annotated[str, typer.Option(help="A spec's name or file.")] = "anymal-10k",
-    counts: Annotated[str, typer.Option(help="Of workers, with commas.")] = "1,2",
+    counts: Annotated[str, typer.Option(help="Numbers of workers, with commas.")] = "1,2",
 ) -> None:
     """One worker against several, and whether their tables are the same."""
     with scratch() as folder:

@@ -64,7 +64,7 @@ def others(task: Task) -> Iterator[Task]:
 
 
 def formulation(robot: Robot, turn: str) -> tuple[Formulation, Task]:
-    """Of a robot's flip."""
+    """Formulation and task of a robot's flip."""
     table = robot.file.turning or like_go2(robot)
     robot = replace(robot, file=robot.file.model_copy(update={"turning": table}))
     jump = llsrbm.Jump(robot=robot.name, type="flip", pitch=TURNS[turn])

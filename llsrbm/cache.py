@@ -1,7 +1,7 @@
 """The user's cache: things computed once a machine (leg fits, meshes, solvers).
 
 An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. Another input is another
-file, so nothing is ever invalidated. Of each kind, one of one robot, the last used are kept.
+file, so nothing is ever invalidated. The entries last used are kept, of each kind and robot some.
 """
 
 from __future__ import annotations

@@ -129,7 +129,7 @@ class JumpControls:
 
     @property
     def menus(self) -> tuple[Any, ...]:
-        """Of robot, model, type and arms: pairs stand in one row."""
+        """Menus of robot, model, type and arms: pairs stand in one row."""
         return tuple(map(self._fields.handle, self._menus))
 
     @property

@@ -17,7 +17,7 @@ _DIRECTIONS = 64  # in which the outermost points are looked for
 
 @lru_cache(maxsize=8)
 def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
-    """Of every body that has a mesh: its index, and the corners (8, 3) m of a box around it."""
+    """Indices of the bodies that have a mesh, and the corners (8, 3) m of a box around each."""
     corners = []
     visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
     for visual in visuals:
@@ -65,7 +65,7 @@ def outermost(points: Array) -> Array:
 
 @lru_cache(maxsize=16)
 def default_pose(robot: Robot) -> tuple[Array, Array]:
-    """Of every body in the default posture, (B, 3) m and (B, 4)."""
+    """Poses of all bodies in the default posture, (B, 3) m and (B, 4)."""
     position, wxyz = forward_kinematics(
         robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
     )

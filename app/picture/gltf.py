@@ -92,7 +92,7 @@ def bar(colour: Rgb) -> bytes:
 
 @lru_cache(maxsize=4)
 def disc(colour: Rgb) -> bytes:
-    """Of radius 1 in the plane z = 0."""
+    """Disc of radius 1 in the plane z = 0."""
     import trimesh
 
     return solid(trimesh.creation.cylinder(1.0, 0.2, sections=20), colour)

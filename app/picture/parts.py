@@ -37,7 +37,7 @@ def foot_name(leg: str) -> str:
 
 
 def parts_of(robot: Robot, bodies: Mapping[str, int]) -> tuple[Part, ...]:
-    """Of a robot whose bodies, by their indices, these nodes draw; others cannot be seen."""
+    """Parts of a robot whose bodies, by their indices, these nodes draw; others are not seen."""
     nodes = {body + 1: node for node, body in bodies.items()}  # by Pinocchio's joint
     found = []
     if BASE_JOINT in nodes:

@@ -33,7 +33,7 @@ class PushShown:
 
     @property
     def tip(self) -> Vector:
-        """Of the arrow, m."""
+        """Tip of the arrow, m."""
         tip = np.add(self.origin, np.multiply(self.impulse, self.metres_per_newton_second))
         return float(tip[0]), float(tip[1]), float(tip[2])
 

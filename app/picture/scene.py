@@ -87,7 +87,7 @@ class Scene:
         return Clip(channels, end, camera_target=self._camera_target(), parts=parts)
 
     def _camera_target(self) -> CameraTarget | None:
-        """Of the robot that is shown, and of those that stand beside it."""
+        """Target around the robot that is shown and those that stand beside it."""
         target = self._robot.camera_target
         ways = [ghost.beside for ghost in self._drawn.ghosts]
         if target is None or not any(ways) or "ghost" not in self._drawn.layers:

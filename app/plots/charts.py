@@ -252,7 +252,7 @@ def _lines(layer: Layer, samples: Samples, names: tuple[str, ...], title: str) -
 
 
 def component_colour(index: int) -> Rgb:
-    """Of a component that shares a chart, by its place among all of its signal."""
+    """Colour of a component that shares a chart, by its place among all of its signal."""
     turn, place = divmod(index, len(colours.COMPONENTS))
     return colours.paler(colours.COMPONENTS[place], _PALER * (turn % 2))
 

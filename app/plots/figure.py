@@ -124,7 +124,7 @@ class TimeGrid:
 
     @property
     def spacing(self) -> float:
-        """Of the even instants, s."""
+        """Spacing of the even instants, s."""
         return float(self.even[1] - self.even[0])
 
     def sample(self, time: Array, values: Array) -> Array:

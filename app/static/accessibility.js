@@ -73,7 +73,7 @@
     target.click();
   });
 
-  // What scrolls and holds nothing to be focused can be scrolled with the keys, too.
+  // Areas that scroll and hold nothing to be focused can be scrolled with the keys, too.
   function reachScrolling() {
     for (const area of document.querySelectorAll("[data-scrollarea-viewport], .llsrbm-status > *")) {
       const scrolls = area.scrollHeight > area.clientHeight + 1;

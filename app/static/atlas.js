@@ -167,7 +167,7 @@
     return made;
   }
 
-  // Of the present design.
+  // The present design's ring.
   const ring = (name) => shape("g", { class: name },
     shape("circle", { r: 5.5, fill: "none", stroke: "#fff", "stroke-width": 4.5 }),
     shape("circle", { r: 5.5, fill: "none", stroke: "#28a05a", "stroke-width": 2.4 }));

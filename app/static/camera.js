@@ -70,7 +70,7 @@
 
   const numbers = (vector) => [vector.x, vector.y, vector.z];
 
-  // What of the canvas is free: shares of its half height above, below and at the sides.
+  // The free part of the canvas: shares of its half height above, below and at the sides.
   function free() {
     const box = viewer().canvas.getBoundingClientRect();
     const bar = document.querySelector("#llsrbm-transport")?.getBoundingClientRect();

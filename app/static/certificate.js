@@ -22,7 +22,7 @@
       player.seek(Number(finding.dataset.seek));
     }
     if (target.closest(".llsrbm-status b button")) {
-      // Of viser's tabs the pointer is for dragging: a key is what turns to one.
+      // On viser's tabs the pointer is for dragging: a key turns to one.
       results()?.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
       page.send({ kind: "certificate" });
     }

@@ -1,5 +1,5 @@
-// What of the page changes, told to the other scripts: where the picture is, and that viser has made
-// elements anew. The only script that watches the page.
+// Changes of the page, for the other scripts: where the picture is, and that viser has made elements
+// anew. The only script that watches the page.
 (() => {
   const llsrbm = window.llsrbm;
   const SETTLE = 200; // ms between two looks at what has changed

@@ -48,7 +48,7 @@
   const system = matchMedia("(prefers-color-scheme: dark)");
   system.addEventListener("change", () => send({ kind: "scheme", dark: system.matches }));
 
-  // By which the server knows this tab again: after a reload, and after the tab crashed. A copy of
+  // The server knows this tab again by its name: after a reload, and after the tab crashed. A copy of
   // the tab gets the name along with the storage, hears from the other that it is in use, and takes
   // a new one before it greets the server.
   const newName = () => [...crypto.getRandomValues(new Uint8Array(16))]

@@ -104,7 +104,7 @@
 
   function lift(object) {
     if (!object.material || object.material.depthTest === false) return;
-    // What is translucent is drawn after all that is not.
+    // Translucent objects are drawn after all others.
     Object.assign(object.material, { depthTest: false, depthWrite: false, transparent: true });
     object.material.needsUpdate = true;
     object.renderOrder = 1;

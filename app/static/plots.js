@@ -4,7 +4,7 @@
 // one. Dragged to a side of the page the panel is docked there by viser.
 //
 // viser keeps its uPlot charts in window.__viserTestpoints.uplots and makes them anew as it likes,
-// so nothing is kept here but what hangs on a chart. What viser leaves undone is mended here as well.
+// so nothing is kept here but what hangs on a chart. Gaps that viser leaves are mended here as well.
 (() => {
   const { page, player, layout, element, write, lacking, addToPage } = window.llsrbm;
 
@@ -19,7 +19,7 @@
   const TURN = 0.0015; // zoom of a wheel, a pixel
   const DRAGGED = "application/x-llsrbm-chart"; // its title; null: what is on offer
   const ONTO = "llsrbm-onto";
-  // What is used of a chart.
+  // The parts of a chart that are used.
   const CHART = ["axes", "bbox", "cursor", "data", "height", "hooks", "over", "posToVal", "redraw",
     "root", "scales", "series", "setScale", "valToIdx", "valToPos", "width"];
 

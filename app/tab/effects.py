@@ -77,7 +77,7 @@ class Outside:
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
     def name(self, queue: Queue) -> tuple[int, Queue]:
-        """Of a queue of this tab."""
+        """Name of a queue of this tab."""
         return self.client.client_id, queue
 
     def give_up(self) -> None:

@@ -41,7 +41,7 @@ class Inbox:
         return End.END in self._held
 
     def wait_for_page(self, seconds: float) -> PageReady | None:
-        """The page's greeting; None if none comes in time. What else comes is held back."""
+        """The page's greeting; None if none comes in time. Other events are held back."""
         until = time.monotonic() + seconds
         while True:
             try:

@@ -280,7 +280,7 @@ class TabState:
 
     @property
     def file(self) -> RobotFile:
-        """Of the design's robot, as it applies to the design's jump."""
+        """File of the design's robot, as it applies to the design's jump."""
         jump = self.design.jump
         return self.robots[jump.robot].for_jump(turns=jump.turns)
 

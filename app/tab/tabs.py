@@ -53,7 +53,7 @@ class Tabs:
 
     @property
     def sessions(self) -> tuple[Session, ...]:
-        """Of the tabs that are connected, or whose threads have not ended."""
+        """Sessions of the tabs that are connected, or whose threads have not ended."""
         with self._lock:
             return tuple(self._sessions.values())
 

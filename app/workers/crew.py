@@ -50,7 +50,7 @@ class Crew:
 
     @property
     def process_ids(self) -> tuple[int | None, ...]:
-        """Of each place's process, None while there is none; the reserved one is the last."""
+        """Process id of each place, None while there is none; the reserved one is the last."""
         at_work = sorted((m for m in self.members if not m.spare), key=lambda m: m.reserved)
         return tuple(member.process.id for member in at_work)
 

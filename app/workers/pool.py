@@ -156,7 +156,7 @@ class WorkerPool:
 
     @property
     def process_ids(self) -> tuple[int | None, ...]:
-        """Of each computing process, None while there is none; the reserved one is the last."""
+        """Id of each computing process, None while there is none; the reserved one is the last."""
         return self._crew.process_ids
 
     # ---- the clock's thread

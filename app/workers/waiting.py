@@ -2,12 +2,12 @@
 
 1. Tabs take turns in the order of their requests. A tab has one job waiting; a newer one takes its
    place in the queue, so that a slider dragged in one tab cannot starve another.
-2. Of each kind (planning, searching, simulating, files) a tab has at most one job running, besides
+2. A tab has at most one job of each kind (planning, searching, simulating, files) running, besides
    those that were requested to stop. A job of several parts has any number of them running; after
    each the other tabs have their turn.
 3. One process is reserved: it takes no job that lasts seconds, so that no plan has to wait for
    another tab's simulation.
-4. What may have to be built first (a solver, a robot's meshes) is built on one process at a time.
+4. A solver or a robot's meshes that have to be built first are built on one process at a time.
    Different ones are built side by side, but on the reserved process only if no other builds.
 5. Visitors' files are read one at a time, so that a hostile one keeps one process busy.
 6. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.

@@ -44,7 +44,7 @@ class Figure:
         return shown if shown == UNKNOWN else f"{shown}{self._space}{self.unit}"
 
     def difference(self, figures: DesignFigures, other: DesignFigures) -> str:
-        """By how much `figures` are more than `other`, with unit; "" where one is not known."""
+        """Excess of `figures` over `other`, with unit; "" where one is not known."""
         mine, theirs = self.value(figures), self.value(other)
         if mine is None or theirs is None:
             return ""

@@ -1,7 +1,7 @@
 """Landing regions of a robot in flight: places that its feet still reach in time.
 
-In flight nothing but gravity moves the CoM, so that it is known where it will be at touchdown. Of
-the posture there the newest plan is believed: its attitude, and how the trunk lies about the CoM.
+In flight nothing but gravity moves the CoM, so that it is known where it will be at touchdown. The
+posture there is the newest plan's: its attitude, and how the trunk lies about the CoM.
 About each hip the plan's own reach (`llsrbm.robots.schema.Reach`) cuts a region out of the ground;
 what a foot cannot get to in the time that is left, at the plan's fastest, is not part of it. The
 region shrinks as the robot falls, until it is the place where the foot is. The shortest length of a

@@ -1,7 +1,7 @@
-"""By how much a plan's turn is not the whole body's: what its model leaves out, by Pinocchio.
+"""Difference of a plan's turn from the whole body's: what its model leaves out, by Pinocchio.
 
 A plan fixes the angular momentum L, the base's rate and the feet's paths, and they fit each other
-by its model. Of the whole body they do not: with base and feet as planned it has the momentum
+by its model. In the whole body they do not: with base and feet as planned it has the momentum
 L_body. A robot that has the planned momentum, as the controller sees to, and its feet on their
 paths, turns its base faster than planned by
 

@@ -88,7 +88,7 @@ def _phases(plan: Plan) -> str:
 
 
 def _model_rows(plan: Plan) -> list[Row]:
-    """By how much the whole body turns beyond what the model promises."""
+    """Turn of the whole body beyond what the model promises."""
     error = model_turn(plan)
     if error is None:
         return []

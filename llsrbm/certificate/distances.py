@@ -52,7 +52,7 @@ class Clearance(Check):
 
     worst: least distance in m from a link to any of them, the links of standing feet left out;
     negative inside. 5 mm of touching are allowed: as much do feet wander between a plan's knots.
-    Of another tool's motion the ground alone is known: it is where feet stand.
+    In another tool's motion the ground alone is known: it is where feet stand.
     """
 
     name: ClassVar[str] = "clearance"

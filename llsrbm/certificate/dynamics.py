@@ -18,7 +18,7 @@ class Dynamics(Check):
     """The six rows of the floating base, which has no drive, of M a + h - J^T f.
 
     worst = max(|F| / (m g), |M| / (0.2 m x m g)), F the force (N) and M the moment (Nm) about the
-    base's origin that the motion lacks; a tenth is allowed. Of a rollout with soles the forces
+    base's origin that the motion lacks; a tenth is allowed. In a rollout with soles the forces
     alone are known, not where they act, and M is left out. `limit`: the weight.
     """
 

@@ -131,8 +131,8 @@ class ResidualDetector(Detector):
 
         max_k |[dv_k / s_v; dw_k / s_w]|,    s^2 = noise^2 (1/k + 1/baseline) + model^2,
 
-    with the noise of this flight, measured on the way up, and an allowance for a wrong model. What
-    is conserved in the air belongs to the true masses. Where the trunk is heavier than believed by
+    with the noise of this flight, measured on the way up, and an allowance for a wrong model. The
+    true masses' momenta are conserved in the air. Where the trunk is heavier than believed by
     a share e of its mass, the believed v_com and L lack e times the trunk's own momenta about the
     CoM, h and l: to first order in e,
 
@@ -229,7 +229,7 @@ class NormDetector(Detector):
     """Contact when all numerical derivatives of ‖v_G‖ in a window are below a threshold.
 
     Blind to impacts in which the norm rises: a robot that lands with its CoM behind its feet
-    pitches faster than it loses speed. Of 300 simulated landings with noise it missed 54.
+    pitches faster than it loses speed. It missed 54 of 300 simulated landings with noise.
     """
 
     name = "norm"

@@ -75,7 +75,7 @@ def _evenly_driven(time: Array, place: Array, first: Array, last: Array) -> Moti
 
     Velocities are straight from the first (L, 3) through those of the intervals, at their middles,
     to the last, as the planner has it when it bounds torques; a spline through the same knots takes
-    twice the acceleration. What is missing to the last place comes in smoothly over all knots.
+    twice the acceleration. The rest of the way to the last place comes in smoothly over all knots.
     """
     start, end = float(time[0]), float(time[-1])
     span = end - start

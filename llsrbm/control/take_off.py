@@ -2,7 +2,7 @@
 
 Two feet in a line give two forces for three things, speeds forward and upward and the turn. Held to
 all three of the plan at once, they hold the turn, and an error in speed grows as that of a pendulum
-upside down does: eightfold in a push of 0.2 s. What counts is where it lands, so an early error may
+upside down does: eightfold in a push of 0.2 s. The landing place counts, so an early error may
 cost momentum that is won back. With errors e = (dc, dv of the CoM, horizontal; dtheta of the base;
 dL) of the plan, and changes df of the contact forces that leave their vertical sum as it is,
 

@@ -5,8 +5,8 @@
 
 `standing`, (L,) bool in the order of `robot.legs`, are the feet that the controller believes to
 stand and that carry load by its measured torques: `WholeBodyController.contacts.carrying` after its
-last step, all of them before its first. Of the readings' time, quaternion (the first one only),
-gyroscope, accelerometer and joints are used.
+last step, all of them before its first. It uses the readings' time, quaternion (the first
+one only), gyroscope, accelerometer and joints.
 
 A foot counts once it has stood for `_SETTLES`, as the ground gives way at first, and is planted
 anew where it turns out to have moved. Balls roll: at lift-off of a Go2 their middles move by

@@ -73,7 +73,7 @@ class ShownMotion:
 
     @property
     def weight(self) -> float:
-        """Of what moves, N."""
+        """Weight of the moving robot, N."""
         return self.mass * GRAVITY
 
     @property

@@ -118,7 +118,7 @@ def phase_at(events: Timeline, time: float) -> str:
 
 
 def phase_colour(schedule: Schedule, phase: int) -> Rgb:
-    """By what a phase is for: take-off, flight, landing, or in between; paler with fewer feet."""
+    """Colour of a phase: take-off, flight, landing, or in between; paler with fewer feet."""
     if schedule[phase].is_flight:
         return palette.FLIGHT
     first, last = schedule.flights[0], schedule.flights[-1]

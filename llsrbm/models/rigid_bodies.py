@@ -148,7 +148,7 @@ class RigidBodies:
         return plain
 
     def mass(self, joint: int) -> Mass:
-        """Of the link that hangs on a joint, Pinocchio's index."""
+        """Mass of the link that hangs on a joint, Pinocchio's index."""
         return self._links[joint].own
 
     def inverse_dynamics(
@@ -238,7 +238,7 @@ def _mass(model: pin.Model, joint: int) -> Mass:
 
 
 def _link(model: pin.Model, data: pin.Data, joint: int) -> Link:
-    """Of a joint whose Jacobian at zero is in the data."""
+    """Link of a joint whose Jacobian at zero is in the data."""
     moves = pin.getJointJacobian(model, data, joint, pin.LOCAL)[:, model.idx_vs[joint]]
     slides = bool(np.abs(moves[:3]).max() > 0.5)
     axis = moves[:3] if slides else moves[3:]

@@ -98,7 +98,7 @@ def _joint_order(robot: Robot, joints: tuple[str, ...]) -> JointOrder:
 
 @lru_cache(maxsize=32)
 def _own_model(robot: Robot) -> pin.Model:
-    """Of the URDF that the robot's file names, in which nothing is held."""
+    """Model of the URDF that the robot's file names, in which nothing is held."""
     return pinocchio_model(robot.urdf_source, str(robot.path))
 
 

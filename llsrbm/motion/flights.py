@@ -37,7 +37,7 @@ class Flight:
 def flights(rollout: Rollout) -> tuple[Flight, ...]:
     """In order; of a schedule with several flights those that the controller began.
 
-    Of a single flight the outcome knows when it ended. Of several, each one's touchdown is its
+    The outcome knows when a single flight ended. Among several, each one's touchdown is its
     first contact after a tick without any, within the controller's flight.
     """
     outcome, phases = rollout.outcome, rollout.schedule.flights

@@ -4,7 +4,7 @@ Between its knots a plan follows from what the planner assumes there: contact fo
 so the CoM is quadratic and the angular momentum cubic in time; the attitude turns at a constant
 rate; feet that stand are still, the others move on straight lines seen from the CoM in base axes
 and carry their contact points along. Between the ticks of a rollout states are straight.
-Of a refined plan forces and torques are straight lines over two intervals at a time, through their
+Forces and torques of a refined plan are straight lines over two intervals at a time, through their
 values in the middles of these: so at any instant they are what inverse dynamics gives.
 Knots and ticks are reproduced exactly, but for these; quaternions come out without jumps of sign.
 The whole body between a plan's knots, which exports and the certificate have, is
@@ -177,7 +177,7 @@ class Instants:
 
     @staticmethod
     def of(knots: Array, times: Array) -> Instants:
-        """Of instants (K,) s among knots or ticks, s."""
+        """Places of instants (K,) s among knots or ticks, s."""
         inside = np.clip(times, knots[0], knots[-1])
         at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
         left = np.minimum(at, len(knots) - 2)

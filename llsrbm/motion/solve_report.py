@@ -10,7 +10,7 @@ NEAREST = "nearest to another request"
 
 @dataclass(frozen=True)
 class Violation:
-    """By how much one named constraint is violated, recomputed from the result.
+    """Violation of one named constraint, recomputed from the result.
 
     Attributes:
         amount: largest violation, in `unit` (SI); 0 when satisfied.

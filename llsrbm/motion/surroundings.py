@@ -7,7 +7,7 @@ place, it comes in mid-flight, or goes then if it is the start's: `Surroundings.
 so. A board is slid onto the last landing surface in mid-flight.
 
 A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
-is deep. What touches a hurdle has not jumped over it.
+is deep. A robot that touches a hurdle has not jumped over it.
 """
 
 from __future__ import annotations

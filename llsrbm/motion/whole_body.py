@@ -312,7 +312,7 @@ def velocities(time: Array, qpos: Array) -> Array:
     """(K, 6 + J) of states (K, 7 + J) at times (K,) s, both in MuJoCo's convention, K of 2 or more.
 
     Differences over the two intervals around an instant, exact for constant accelerations however
-    long the intervals are. What changes at once, at an impact, is smeared over these two.
+    long the intervals are. A sudden change, as at an impact, is smeared over these two.
     """
     dt = np.diff(time)[:, None]
     attitude = Rotation.from_quat(qpos[:, 3:7], scalar_first=True)

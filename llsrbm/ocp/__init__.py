@@ -14,7 +14,7 @@ compiler (52 MB of C for the robots' problem) to become bearable. Five steps, ea
    Hessian then takes 50,235 instructions instead of 121,890.
 2. Stage functions (`stage_functions`). Stages of one family, such as all the inner ones of a
    phase, are differentiated once, into functions of one stage's variables that give the non-zeros
-   of its own part of the derivatives. What differs between them is a parameter of their own.
+   of its own part of the derivatives. Numbers in which they differ are parameters of their own.
 3. Batching (`stage_functions`). Each instruction of CasADi's virtual machine becomes one operation
    on a vector with an element a stage, and is decoded once.
 4. Transcription (`transcription`). Multiple shooting: a stage's rows hold only its own variables

@@ -79,7 +79,7 @@ class Control(Table):
 
 
 class Uncertainty(Table):
-    """By how much the robot may differ from its URDF without surprising its user.
+    """Deviation of the robot from its URDF that surprises nobody.
 
     Attributes:
         trunk_mass: share of the trunk's mass, either way: payload, cables, a battery. The contact

@@ -1,9 +1,9 @@
 """Maps from where a foot is to where its leg's mass is, fitted to the URDF's own legs.
 
 A leg's links follow the foot through inverse kinematics; a planner wants that as a few polynomials.
-All legs are mirrored onto the reference leg (x = M (foot - hip), base axes) and fitted together. Of
-lines and soles x has a fourth coordinate, the yaw relative to the base, det(M) times it, and the
-foot is level; d = 3 or 4 counts the coordinates.
+All legs are mirrored onto the reference leg (x = M (foot - hip), base axes) and fitted together.
+For lines and soles x has a fourth coordinate, the yaw relative to the base, det(M) times it, and
+the foot is level; d = 3 or 4 counts the coordinates.
 
     c(x)     leg's CoM in the mirrored hip frame, affine and quadratic, value and derivative
     I_c(x)   leg's inertia about its CoM

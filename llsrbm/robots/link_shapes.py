@@ -99,7 +99,7 @@ class LinkShapes:
     def nearest_to(
         self, shape: coal.ShapeBase, placement: pin.SE3, data: pin.Data, within: float = np.inf
     ) -> tuple[coal.DistanceResult, int]:
-        """Of links that are no feet the nearest to a shape in the world, its joint's index second.
+        """The link nearest to a shape in the world, feet aside; its joint's index second.
 
         `data`: with the bodies placed. Those that cannot be `within` (m) are not measured; without
         any the result's distance is the largest number there is.

@@ -38,7 +38,7 @@ class Near:
 
     @property
     def turn(self) -> float:
-        """By which all joints together would bring the two together, rad or m."""
+        """Smallest joint step that closes the gap, rad or m."""
         return self.distance / float(np.linalg.norm(self.slope))
 
     def acceleration(self, data: pin.Data) -> float:
@@ -132,7 +132,7 @@ class NearLinks:
 def away_from(
     shapes: LinkShapes, data: pin.Data, shape: coal.ShapeBase, placement: pin.SE3, within: float
 ) -> tuple[float, Array]:
-    """Of links that are no feet the nearest to a shape in the world.
+    """The link nearest to a shape in the world, feet aside.
 
     `data`: with the bodies placed, and the joints' Jacobians.
 

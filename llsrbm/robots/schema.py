@@ -52,7 +52,7 @@ class UrdfSource(Table):
             its robots folder.
         file: the URDF relative to the robot file; instead of the other two.
         held: joint name -> angle, rad (sliding: m), at which the joint is fixed: arms, a waist, a
-            neck. What it carries becomes part of the body that it hangs on.
+            neck. Links that it carries become part of the body that it hangs on.
         frames: name -> frame that is added to a link.
     """
 
@@ -110,7 +110,7 @@ class ArmFrames(Table):
 class ArmReach(Table):
     """Where plans move the arms: joint angles of the first arm, rad, the others mirrored.
 
-    The URDF's stops hold as well. What is nearer to the trunk or the legs is left out.
+    The URDF's stops hold as well. Places nearer to the trunk or the legs are left out.
 
     Attributes:
         lower, upper: from the base outwards.
@@ -305,7 +305,7 @@ class RobotFile(Table):
 
     @property
     def turning_axes(self) -> tuple[str, ...]:
-        """Of `pitch` and `roll` those about which it makes whole turns; none without [turning]."""
+        """Axes, `pitch` and `roll`, about which it makes whole turns; none without [turning]."""
         return self.turning.axes if self.turning is not None else ()
 
     @property

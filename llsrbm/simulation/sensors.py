@@ -190,7 +190,7 @@ class Sensors:
     def __init__(
         self, robot: Robot, disturbance: Disturbance, scenario: Scenario, tick: float
     ) -> None:
-        """Of a scenario the seed and the estimator matter. Raises `InputError`: the estimator is
+        """The scenario's seed and estimator matter. Raises `InputError`: the estimator is
         unknown.
         """
         seed = scenario.seed or 0

@@ -130,7 +130,7 @@ class _Landing:
 
     @classmethod
     def of(cls, plan: Plan, recorder: Recorder, flights: list[Flight]) -> _Landing:
-        """Of flights, in order; the last planned one may not have been reached."""
+        """Landing after flights, in order; the last planned one may not have been reached."""
         contacts = [
             _touchdowns(recorder, flight, flights[k + 1 :]) for k, flight in enumerate(flights)
         ]

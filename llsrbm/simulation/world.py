@@ -68,7 +68,7 @@ class TickResult:
 
     @classmethod
     def unknown(cls, legs: int, joints: int) -> TickResult:
-        """Of a tick in which the simulation diverged: no contact, no torque."""
+        """Result of a tick in which the simulation diverged: no contact, no torque."""
         return cls(
             contact_force=np.zeros((legs, 3)),
             contact=np.zeros(legs, dtype=bool),

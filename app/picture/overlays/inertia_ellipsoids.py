@@ -30,9 +30,9 @@ _COLOURS = {
 
 
 class InertiaEllipsoids(Overlay):
-    """Of the plan, with a surface; of SRBM beside a plan, of the whole body beside a simulation.
+    """Ellipsoids of the plan, with a surface; beside a plan SRBM's, beside a simulation its body's.
 
-    Of robots with arms the one to compare with is that of the same postures with the arms held.
+    For robots with arms the one to compare with is that of the same postures with the arms held.
 
     Surfaces so close to each other would hide one another in turn, so only one has one.
     """

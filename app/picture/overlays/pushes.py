@@ -23,7 +23,7 @@ _AWAY = (0.0, 0.0, 1000.0)  # m, where words are that nobody shall see: they hav
 
 
 class Pushes(Overlay):
-    """Of a simulation; the page draws them over everything else (static/player.js)."""
+    """Pushes of a simulation; the page draws them over everything else (static/player.js)."""
 
     name = "pushes"
     group = Group.FORCES

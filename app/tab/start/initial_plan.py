@@ -39,7 +39,7 @@ class InitialPlans:
         self._lock = threading.Lock()
 
     def plan(self, robot: str) -> Plan | None:
-        """Of the robot's example with the default model; None as long as it is not there."""
+        """Plan of the robot's example with the default model; None as long as it is not there."""
         with self._lock:
             return self._plans.get(robot)
 

@@ -70,7 +70,7 @@ class ElasticLayout(Layout):
 
     @classmethod
     def around(cls, layout: Layout, task: Task) -> ElasticLayout:
-        """Of a layout's variables, and of the places in a task's schedule."""
+        """Layout around another one's variables and the places in a task's schedule."""
         own = {field.name: getattr(layout, field.name) for field in fields(Layout)}
         stood, lands = (
             tuple(tuple(int(place) for place in row) for row in rows) for rows in task.steps

@@ -38,7 +38,7 @@ def ground_line(start: Array, goal: Array, progress: Array) -> Array:
 
 
 def ground_share(start: Array, goal: Array, progress: Array) -> Array:
-    """Of the way from the start's height to the goal's, of `ground_line`.
+    """Share of the way from the start's height to the goal's, of `ground_line`.
 
     A landing surface above the start is cleared as high as it is from half way on, one below it is
     not sunk to before, so that no foot meets the edge of what it lands on or leaves.

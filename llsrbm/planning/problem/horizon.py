@@ -157,7 +157,7 @@ def _listed(
 
 
 def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Array]]:
-    """Of the rows of g in their order: what they are, the knot, lower and upper bounds."""
+    """The rows of g in their order: what they are, the knot, lower and upper bounds."""
     for role, knots in layout.blocks():
         constraints = constraints_of(role)
         differ = {c for c in constraints if c.by_knot or c.name in task.agreed_bounds}

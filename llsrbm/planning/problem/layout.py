@@ -63,8 +63,8 @@ class Layout:
     arms: the joints of free arms, rad, in all phases alike; arms_velocity, arms_step: as of feet,
     rad/s, the first interval goes on as it begins; rotation_rate: the base's angular velocity over
     the interval, base axes, rad/s; rotation_rate_before: of the interval before, with free arms,
-    whose drives feel it change; shift: of where feet land, horizontally, m. Of feet and forces a
-    variable has the legs of `legs_of`.
+    whose drives feel it change; shift: of where feet land, horizontally, m. A variable of
+    feet or forces has the legs of `legs_of`.
 
     Attributes:
         contacts: C, L times the corners of a foot.
@@ -99,7 +99,7 @@ class Layout:
         turns: bool = False,
         arm_joints: int = 0,
     ) -> Layout:
-        """Of a schedule; `intervals` as for three phases."""
+        """Layout of a schedule; `intervals` as for three phases."""
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
         counts, under_way = split(intervals, schedule), schedule.under_way
         shape = contacts, stands, counts, foot_coordinates

@@ -86,7 +86,7 @@ def feet_seen(model: CentroidalModel) -> ca.Function:
     Arguments: R_world_base (3, 3); position and velocity of the CoM, (3, 1) m, m/s; angular
     velocity of the base, (3, 1) rad/s, base axes; places and velocities of the feet's lowest
     points, (3, L) m, m/s; their headings and turning rates, (L, 1) rad, rad/s; of models whose arms
-    are free their joints' angles and rates, (A n, 1) rad, rad/s. Of K instants all side by side.
+    are free their joints' angles and rates, (A n, 1) rad, rad/s. The K instants stand side by side.
     """
     legs = range(model.legs)
     R, r, v, omega = (ca.SX.sym(n, 3, 3 if n == "R" else 1) for n in ("R", "r", "v", "omega"))

@@ -53,8 +53,8 @@ class Stage(StageFeet):
     def joint_torques(self) -> Any:
         """(n, L + settling) shares of what the drives give at rest.
 
-        Of standing legs in the middle of the interval: what holds the contact forces and the leg's
-        own weight, and what moves the leg. Of swinging legs what swings them as the interval
+        Standing legs in the middle of the interval: what holds the contact forces and the leg's
+        own weight, and what moves the leg. Swinging legs: what swings them as the interval
         begins; after all legs those that land at its end, as it ends.
         """
         starts, ends = [], []
@@ -191,12 +191,12 @@ class Stage(StageFeet):
 
     @property
     def inertia(self) -> Any:
-        """Of the model at the knot, (3, 3) kg m2, base axes."""
+        """Inertia of the model at the knot, (3, 3) kg m2, base axes."""
         return self.model.inertia(self.feet_in_hip, self.offset, self.arms_at_knot)
 
     @property
     def leg_com(self) -> Any:
-        """Of the model's legs at the knot, (3, L) m, seen from the CoM, base axes."""
+        """CoMs of the model's legs at the knot, (3, L) m, seen from the CoM, base axes."""
         model, x = self.model, self.feet_in_hip
         coms = (model.leg_com(i, x[:, i]) for i in range(self.layout.legs))
         return ca.horzcat(*(model.foot_from_com(i, com, self.offset) for i, com in enumerate(coms)))

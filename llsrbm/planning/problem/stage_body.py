@@ -158,7 +158,7 @@ class StageBody:
 
     @property
     def velocity(self) -> Any:
-        """Of the CoM, (3, 1) m/s."""
+        """Velocity of the CoM, (3, 1) m/s."""
         return self.symbols.get("velocity", self.parameters["start_velocity"])
 
     @property
@@ -168,7 +168,7 @@ class StageBody:
 
     @property
     def shift(self) -> Any:
-        """Of where feet land, (2, 1) m."""
+        """Shift of where feet land, (2, 1) m."""
         return self.symbols.get(SHIFT, ca.SX.zeros(2))
 
     @property
@@ -212,7 +212,7 @@ class StageBody:
 
     @cached_property
     def acceleration(self) -> Any:
-        """Of the CoM, (3, 1) m/s2 (eq. 1)."""
+        """Acceleration of the CoM, (3, 1) m/s2 (eq. 1)."""
         return self._specific_force - ca.DM([0, 0, GRAVITY])
 
     @cached_property
@@ -243,7 +243,9 @@ class StageBody:
 
     @property
     def rotation_acceleration(self) -> Any:
-        """Of the base as the interval begins, with free arms, (3, 1) rad/s2, base axes."""
+        """Angular acceleration of the base as the interval begins, with free arms, (3, 1) rad/s2,
+        base axes.
+        """
         before = self.symbols.get(TURNED, self.rotation_rate)
         return (self.rotation_rate - before) / self.dt
 

@@ -65,7 +65,7 @@ class Edges:
 
     @classmethod
     def between(cls, start: Footholds, goal: Footholds) -> Edges:
-        """Of the landing heading's axes the one that leaves the widest gap counts.
+        """Edges along that axis of the landing heading that leaves the widest gap.
 
         Onto a higher surface from a foot's own start to all of the target, to a lower one from all
         of the start to the foot's own target. Where a foot has no gap there is no edge for any: no

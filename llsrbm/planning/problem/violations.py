@@ -96,7 +96,7 @@ def _largest(knots: Knots, unit: str, amount: Array) -> Violation:
 
 
 def phase_name(knots: Knots, knot: int) -> str:
-    """Of the phase that a knot is in."""
+    """Name of the phase that a knot is in."""
     return knots.task.schedule[int(knots.phase[knot])].name
 
 

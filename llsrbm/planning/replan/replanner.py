@@ -275,8 +275,8 @@ class Replanner:
     def _sampled(self, task: Task, layout: Layout, state: State) -> Sampled:
         """The newest plan from the state's time on, moved to where the state is.
 
-        In flight the CoM falls from the state to the height at which it is planned to land. By what
-        it is off there all that follows is moved; other differences fade until the end.
+        In flight the CoM falls from the state to the height at which it is planned to land. Its
+        error there moves all that follows; other differences fade until the end.
         """
         plan, flying = self.plan, self._falls(state.phase)
         starts = plan.phase_start[state.phase :].copy()

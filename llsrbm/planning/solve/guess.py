@@ -186,7 +186,7 @@ class _Path:
         self._flights = [self._flight(i, p) for i, p in enumerate(task.schedule.flights)]
 
     def com(self, place: int) -> Array:
-        """Of the robot that stands in a place, (3,) m."""
+        """CoM of the robot that stands in a place, (3,) m."""
         task, here = self._task, self._task.places[place]
         return here.origin + _about_vertical(here.heading) @ task.start_position
 
@@ -267,7 +267,7 @@ class _Path:
 
 
 def _time(task: Task, phase: int) -> float:
-    """Of a phase on the ground, s."""
+    """Duration of a phase on the ground, s."""
     low, high = task.times(phase)
     if isinstance(task.schedule[phase].time, str):
         return float(np.clip(STANCE_TIME, low, high))

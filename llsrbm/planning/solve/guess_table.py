@@ -2,7 +2,7 @@
 
 A file a robot ships in `assets/guesses`, made by `python -m benchmarks.guess_tables` of a sweep's
 jumps. It has their requests x (twist, forward, lateral, height), scaled to -1 ... 1 over what the
-robot's file allows, and of each the solver's variables and multipliers v. Of a new request x the
+robot's file allows, and of each the solver's variables and multipliers v. For a new request x the
 nearest K give, by a linear regression that is weighted by nearness,
 
     v(x) = c0 + C (x_k - x)   with the least   sum_k exp(-(WIDTH d_k / d_K)^2) |v_k - v(x_k)|^2 ,

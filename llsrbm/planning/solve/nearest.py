@@ -1,7 +1,7 @@
 """The nearest jump that can be planned: the elastic problem solved, and its jump made round.
 
 Types with whole turns, and motions that are under way, have none: a turn is whole or it is none,
-and a motion under way lands where it can already. Of several displacements all that follow the
+and a motion under way lands where it can already. Several displacements that follow the
 request are reduced alike.
 """
 
@@ -288,7 +288,7 @@ def stands(task: Task) -> bool:
 
 
 def distance(task: Task, jump: Jump) -> float:
-    """Of a jump from a task's request: components as shares of the robot's ranges."""
+    """Distance of a jump from a task's request: components as shares of the robot's ranges."""
     wanted, own = task.wanted or task.jump, task.robot.file.task
     shares = (
         (getattr(wanted, name) - getattr(jump, name)) / ((high - low) or 1.0)

@@ -98,7 +98,7 @@ class Planner:
 
     @property
     def solvers(self) -> tuple[solvers.Solver, ...]:
-        """Of the jumps, and of nearer ones once they were looked for."""
+        """Solvers of the jumps, and of nearer ones once they were looked for."""
         elastic = self._elastic_kept
         return (self.formulation.solver, *(() if elastic is None else (elastic.solver,)))
 
@@ -114,7 +114,7 @@ class Planner:
 
     @property
     def layout(self) -> Layout:
-        """Of the solver's variables."""
+        """Layout of the solver's variables."""
         return self.formulation.layout
 
     def plan(

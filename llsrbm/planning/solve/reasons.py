@@ -101,7 +101,7 @@ def unexplained(task: Task, best: Attempt, plan: Plan) -> NotConverged:
 
 
 def gains(nearest: Nearest) -> list[Gain]:
-    """Of the limits that hold the nearest jump back, what matters most first."""
+    """Gains of the limits that hold the nearest jump back, the most important first."""
     form, elastic = nearest.formulation, nearest.elastic
     task, multipliers = replace(elastic.task, agreed_bounds={}), elastic.solution.multipliers
     lower, upper = row_bounds(form.layout, task)
@@ -130,7 +130,7 @@ def gains(nearest: Nearest) -> list[Gain]:
 
 
 def _change(one: Array, other: Array) -> Array:
-    """Of bounds; 0 where there is none."""
+    """Change of bounds; 0 where there is none."""
     bounded = np.isfinite(one)
     return np.subtract(other, one, out=np.zeros_like(one), where=bounded)
 

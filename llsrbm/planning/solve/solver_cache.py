@@ -137,7 +137,7 @@ def _entry(kind: type[Solver], subject: Subject) -> tuple[str, bytes]:
 
 
 def _fingerprint(name: str, subject: Subject) -> bytes:
-    """Of the problem's expressions, wherever their numbers come from.
+    """Fingerprint of the problem's expressions, wherever their numbers come from.
 
     To build them takes a quarter of a second, so it is kept under all that they may depend on:
     every line of the package, and the numbers of robot and model.

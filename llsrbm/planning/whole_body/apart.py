@@ -91,7 +91,7 @@ class Apart:
 def _found(
     links: NearLinks, data: pin.Data, q: Array, solids: list[Block]
 ) -> Iterator[tuple[float, Array]]:
-    """Of all that is near: how far, m, beyond what it may be, and (6 + J,) its derivatives."""
+    """Distances of all that is near, m, beyond the least, and their (6 + J,) derivatives."""
     for near in links.at(data, q, links.within(NEAR)):
         yield near.distance - LEAST, np.concatenate([np.zeros(6), near.slope])
     R_world_base = data.oMi[1].rotation
@@ -103,7 +103,7 @@ def _found(
 
 
 def _soon(found: tuple[float, Array]) -> float:
-    """By which all joints together would bring the two together, rad or m."""
+    """Smallest joint step that closes the gap, rad or m."""
     room, slope = found
     return room / max(float(np.linalg.norm(slope[6:])), 1e-6)
 

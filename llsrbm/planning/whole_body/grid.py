@@ -62,7 +62,7 @@ class Grid:
 
     @property
     def intervals(self) -> int:
-        """Of all phases."""
+        """Intervals of all phases."""
         return sum(count for _, count in self.phases)
 
     @cached_property
@@ -199,7 +199,7 @@ class Sizes:
 
     @property
     def posture(self) -> int:
-        """Of the base's place, its turn and the joints."""
+        """Numbers of the base's place, its turn and the joints."""
         return 6 + self.joints
 
     @property

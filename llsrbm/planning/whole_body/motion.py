@@ -77,7 +77,7 @@ class Motion:
         return found
 
     def _intervals(self, time: Array) -> tuple[NDArray[np.int64], Array]:
-        """Of instants (K,) s: interval, and share of it."""
+        """Intervals of instants (K,) s, and the shares of them."""
         k = np.clip(
             np.searchsorted(self.time, time + SAME_INSTANT, side="right") - 1,
             0,

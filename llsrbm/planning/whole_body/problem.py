@@ -63,7 +63,7 @@ def unit_of_variables(grid: Grid, sizes: Sizes) -> Array:
 
 
 def rows(robot: Robot, grid: Grid, start: Start) -> Iterator[tuple[str, int, float, Array, Array]]:
-    """Of the rows of g in their order: name, knot, instant (s), lower and upper bounds."""
+    """The rows of g in their order: name, knot, instant (s), lower and upper bounds."""
     sizes = Sizes.of(robot)
     for k, knot in enumerate(grid.knots):
         time = float(start.time[2 * k])

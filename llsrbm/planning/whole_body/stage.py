@@ -223,7 +223,7 @@ class _Stage:
         return quat_product(self.x["quat"], quat_exp(turn))
 
     def _speed(self, share: float) -> Any:
-        """Of the joints, as shares of their drives'."""
+        """Speeds of the joints, as shares of their drives'."""
         return self._sped(*_JOINTS[1:], share) / ca.DM(self.robot.speed_limit)
 
     def _next_state(self) -> Any:

@@ -121,7 +121,7 @@ class Joint:
 
     @property
     def unit(self) -> str:
-        """Of its angle."""
+        """Unit of its angle."""
         return "m" if self.slides else "rad"
 
 

@@ -83,7 +83,7 @@ class BodyClearance(Constraint):
         ahead, up = (stage.lift(stage.R_world_base[i, :].T) for i in (0, 2))
 
         def above(point: Any, heights: Any, room: Any) -> Any:
-            """Of a point seen from the CoM, (3, 1) m, base axes."""
+            """Height of a point seen from the CoM, (3, 1) m, base axes."""
             x, z = stage.position[0] + ca.dot(ahead, point), stage.position[2] + ca.dot(up, point)
             return z - profile(x, edges, heights, room)
 

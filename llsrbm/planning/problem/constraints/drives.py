@@ -277,12 +277,12 @@ def _edge_velocity(knots: Knots) -> Array:
 
 
 def torque_unit(robot: Robot, joint: str) -> str:
-    """Of what its drive gives."""
+    """Unit of what its drive gives."""
     return "N" if joint in robot.sliding_joints else "Nm"
 
 
 def speed_unit(robot: Robot, joint: str) -> str:
-    """Of how fast it moves."""
+    """Unit of how fast it moves."""
     return "m/s" if joint in robot.sliding_joints else "rad/s"
 
 

@@ -74,7 +74,7 @@ class KneeHeight(Constraint):
 class LegsApart(Constraint):
     """y_left - y_right >= 2 width + margin, of knees and feet of legs side by side, base axes.
 
-    At least one of the legs swings. The width is that of the shank at its knee. Of a body that
+    At least one of the legs swings. The width is that of the shank at its knee. For a body that
     turns over, which draws its legs in, also x_front - x_hind of legs on one side, of the knee or
     foot of one against the foot or knee of the other.
     """

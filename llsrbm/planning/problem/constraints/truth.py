@@ -80,7 +80,7 @@ class LegsReach(CheckAlone):
     unit = "m"
 
     def violation(self, knots: Knots) -> Array:
-        """Of the foot that misses most, at each knot or over the interval after it."""
+        """Miss of the worst foot, at each knot or over the interval after it."""
         out = knots.postures.residual_m.copy()
         out[:-1] = np.maximum(out[:-1], knots.loads.foot_residual)
         return out if knots.model.is_true else np.maximum(out - COMPARED_MISS, 0.0)
