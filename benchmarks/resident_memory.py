@@ -1,6 +1,6 @@
 """Memory of one process that plans for many robots, models and types, with interpreted solvers.
 
-    LLSRBM_COMPILE=0 python benchmarks/resident_memory.py [ROBOT ...]
+    LLSRBM_COMPILE=0 python -m benchmarks.resident_memory [ROBOT ...]
 
 Prints after each request the resident memory, the largest so far, and the solvers that are kept.
 """
@@ -10,17 +10,13 @@ import os
 import resource
 
 import llsrbm
+from benchmarks.served import resident
 from llsrbm import models
 from llsrbm.errors import Error
 from llsrbm.planning.solve import kept
 
 ROBOTS = ("anymal", "go2", "slider", "a1", "solo12", "g1_legs")
 TYPES = ("together", "rear-last", "run-up", "hops", "flip")
-
-
-def megabytes() -> float:
-    pages = int(open("/proc/self/statm").read().split()[1])  # noqa: SIM115, PTH123
-    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
 def main() -> None:
@@ -38,9 +34,10 @@ def main() -> None:
                 outcome = ""
             except Error as error:
                 outcome = type(error).__name__
+            now, _ = resident(os.getpid())
             most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
             name = f"{robot} {jump.model} {jump.type} {outcome}"
-            print(f"{name:38} {megabytes():6.0f} {most:6.0f} {kept.size():8.0f}", flush=True)
+            print(f"{name:38} {now:6.0f} {most:6.0f} {kept.size():8.0f}", flush=True)
 
 
 if __name__ == "__main__":

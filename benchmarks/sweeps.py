@@ -1,7 +1,6 @@
 """The cost of sweeps, and their faults: each measurement is a command.
 
     python -m benchmarks.sweeps deaths --jumps 300 --kills 10
-    python -m benchmarks.sweeps client --jumps 200
     python -m benchmarks.sweeps scheduler --jumps 200
     python -m benchmarks.sweeps disk --jumps 200           (as root: it mounts a small tmpfs)
     python -m benchmarks.sweeps scaling --jumps 100,1000,10000
@@ -9,7 +8,7 @@
     python -m benchmarks.sweeps overhead --tasks 10000
     python -m benchmarks.sweeps memory --jumps 2000
 
-The first four run a sweep undisturbed and again with what their name says, go on with the same
+The first three run a sweep undisturbed and again with what their name says, go on with the same
 command until it is through, and compare the tables row by row, times aside. Workers, schedulers and
 mounts that they end are those they have begun.
 """
@@ -143,30 +142,6 @@ def deaths(jumps: Jumps = 300, kills: int = 10, workers: int = 2, seed: int = 0)
             print(printed)
             finished(sweep, folder / "broken", "--workers", str(workers))
         verdict("deaths", folder / "whole", folder / "broken")
-
-
-@app.command()
-def client(jumps: Jumps = 200, kills: int = 3, workers: int = 2) -> None:
-    """Kill the command itself, without a word, and run it again."""
-    with scratch() as folder:
-        sweep = spec(folder, jumps)
-        finished(sweep, folder / "whole", "--workers", str(workers))
-        for _ in range(kills):
-            before = parts(folder / "broken")
-            process = subprocess.Popen(
-                command(sweep, folder / "broken", "--workers", str(workers)),
-                stdout=subprocess.DEVNULL,
-                stderr=subprocess.DEVNULL,
-            )
-            while process.poll() is None and parts(folder / "broken") < before + _SOME:
-                time.sleep(0.2)
-            left = worker_processes(psutil.Process(process.pid))
-            process.kill()
-            process.wait()
-            _, alive = psutil.wait_procs(left, timeout=30)
-            print(f"killed with {parts(folder / 'broken')} parts; {len(alive)} workers outlive it")
-        finished(sweep, folder / "broken", "--workers", str(workers))
-        verdict("client", folder / "whole", folder / "broken")
 
 
 class Cluster:

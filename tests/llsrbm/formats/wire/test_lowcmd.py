@@ -14,7 +14,6 @@ from llsrbm.motion.plan import load_plan
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned, simulated
 from tests.llsrbm.formats.wire.jumps import (
-    KINDS,
     beside,
     jump,
     rate_of,
@@ -53,11 +52,6 @@ def messages(path, motors):
         part, number = re.fullmatch(r"(q|dq|tau|kp|kd)_(\d+)", name).groups()
         commands[part][:, int(number)] = column
     return time, commands
-
-
-@pytest.fixture(scope="module", params=KINDS)
-def kind(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

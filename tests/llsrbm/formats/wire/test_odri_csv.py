@@ -7,7 +7,6 @@ from llsrbm.errors import InputError
 from llsrbm.formats import export
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.formats.wire.jumps import (
-    KINDS,
     beside,
     jump,
     rate_of,
@@ -20,11 +19,6 @@ JOINTS = [f"{leg}_{part}" for leg in ("FL", "FR", "HL", "HR") for part in ("HAA"
 NUMBERS = [0, 3, 2, 1, 5, 4, 6, 9, 8, 7, 11, 10]
 REVERSED = [False, True, True, True, False, False] * 2
 CALLS = ("position", "velocity", "torque", "kp", "kd")
-
-
-@pytest.fixture(scope="module", params=KINDS)
-def kind(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

@@ -9,18 +9,13 @@ from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import load_plan
-from tests.llsrbm.formats.wire.jumps import KINDS, beside, jump, rate_of, read_table, torques_of
+from tests.llsrbm.formats.wire.jumps import beside, jump, rate_of, read_table, torques_of
 
 # quad_msgs: LegCommandArray has FL, BL, FR, BR; LegCommand abduction, hip, knee; MotorCommand
 # these fields.
 LEGS = ("FL", "RL", "FR", "RR")
 FIELDS = {"pos_setpoint", "vel_setpoint", "kp", "kd", "torque_ff"}
 PATH = re.compile(r"leg_commands\[(\d)\]\.motor_commands\[(\d)\]\.(\w+)")
-
-
-@pytest.fixture(scope="module", params=KINDS)
-def kind(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")

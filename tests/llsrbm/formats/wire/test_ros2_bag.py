@@ -13,7 +13,7 @@ from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import load_plan
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import same_attitude, simulated
-from tests.llsrbm.formats.wire.jumps import KINDS, jump, rate_of, torques_of
+from tests.llsrbm.formats.wire.jumps import jump, rate_of, torques_of
 
 highlevel = pytest.importorskip("rosbags.highlevel")
 
@@ -30,11 +30,6 @@ TYPES = {
         for leg in ("FL", "FR", "RL", "RR")
     },
 }
-
-
-@pytest.fixture(scope="module", params=KINDS)
-def kind(request):
-    return request.param
 
 
 @pytest.fixture(scope="module")
