@@ -16,7 +16,7 @@ import pytest
 from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.pictures.shown import motion_of
+from tests.llsrbm.formats.pictures.shown import motion_of, without_meshes
 
 HOSTILE = "<script>document.title='taken'<!--"
 
@@ -113,6 +113,13 @@ def test_words_from_files_are_no_markup(hostile):
     assert "<img" not in text
     assert HOSTILE not in text
     assert facts(hostile)["title"].startswith(HOSTILE)
+
+
+def test_a_robot_without_meshes_is_drawn_by_what_collides(tmp_path):
+    export(without_meshes(tmp_path), tmp_path / "x.html", format="html", fps=10)
+    channels = facts(tmp_path / "x.html")["clip"]["channels"]
+    nodes = [node for c in channels for track in c["tracks"] for node in track["nodes"]]
+    assert sum(node.startswith("/links/") for node in nodes) == 3  # pelvis and feet
 
 
 needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="no Chromium")

@@ -1,11 +1,14 @@
 """Motions to be shown: a plan of each robot, and what it became in the simulator."""
 
+import re
+import shutil
 from dataclasses import dataclass, replace
 from functools import cache
 
 import llsrbm
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.robots import load_robot
 
 JUMPS = {
     "anymal": {"twist": 0.8, "forward": 0.5, "height": 0.1},
@@ -27,3 +30,15 @@ def motion_of(robot):
     rollout = llsrbm.simulate(plan)
     assert rollout.landed
     return Motion(plan, replace(rollout, plan=plan))
+
+
+def without_meshes(folder):
+    """SLIDER's plan, of a robot whose URDF has nothing but shapes to collide with."""
+    robot = load_robot("slider")
+    shutil.copytree(robot.urdf_path.parent, folder / "slider")
+    for path in (folder / "slider").rglob("*.urdf"):
+        path.write_text(re.sub(r"<visual.*?</visual>", "", path.read_text(), flags=re.DOTALL))
+    text = robot.path.read_text(encoding="utf-8").replace('"../slider/', '"slider/')
+    (folder / "bare.toml").write_text(text, encoding="utf-8")
+    plan = motion_of("slider").plan
+    return replace(plan, jump=replace(plan.jump, robot=str(folder / "bare.toml")))
