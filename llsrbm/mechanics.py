@@ -97,6 +97,13 @@ def turns_between(start: Array, end: Array, *, body_axes: bool = False) -> Array
     return vectors.reshape(*start.shape[:-1], 3)
 
 
+def interpolated(time: Array, known: Array, values: Array) -> Array:
+    """Values (K, ...) at `time` (K,) of those (N, ...) at `known` (N,), straight between them."""
+    flat = values.reshape(len(known), -1)
+    found = np.stack([np.interp(time, known, column) for column in flat.T], axis=1)
+    return found.reshape(len(time), *values.shape[1:])
+
+
 def sign_continuous(quat: Array) -> Array:
     """The same attitudes, signed such that neighbours in time (axis 0) are close, (K, ..., 4)."""
     if len(quat) < 2:

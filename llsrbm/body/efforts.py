@@ -11,6 +11,15 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 
+def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
+    """M a + h, (K, nv) N, Nm, of states and accelerations in Pinocchio's convention."""
+    data = model.createData()
+    found = np.empty((len(q), model.nv))
+    for k in range(len(q)):
+        found[k] = pin.rnea(model, data, q[k], v[k], a[k])
+    return found
+
+
 def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
     """Force and moment on the base's origin (base axes) and joint torques, (K, 6 + J) N, Nm.
 
@@ -22,10 +31,9 @@ def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
         force: (K, C, 3) N at the contact points of the feet, world axes.
     """
     model, data = robot.model, robot.model.createData()
-    found = np.empty((len(q), model.nv))
+    found = inverse_dynamics(model, q, v, a)
     pushes = force.reshape(len(q), len(robot.legs), -1, 3)
     for k in range(len(q)):
-        found[k] = pin.rnea(model, data, q[k], v[k], a[k])
         pin.computeJointJacobians(model, data, q[k])
         pin.updateFramePlacements(model, data)
         for leg, push in zip(robot.legs, pushes[k], strict=True):

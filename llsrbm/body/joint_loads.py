@@ -21,9 +21,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.body.efforts import inverse_dynamics
 from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
@@ -215,18 +215,14 @@ def _inverse_dynamics(
     chosen so that the sum of all forces is m `com_acceleration` (K, 3) m/s2, with gravity's
     reaction.
     """
-    model, data = robot.model, robot.model.createData()
-    count, joints = position.shape
+    count = len(position)
     q = np.tile(np.append(np.zeros(6), 1.0), (count, 1))
     q = np.concatenate([q, position], axis=1)
     v = np.concatenate([np.zeros((count, 3)), omega, velocity], axis=1)
     a = np.concatenate([np.zeros((count, 3)), omega_rate, acceleration], axis=1)
-    effort = np.empty((count, _BASE + joints))
-    for k in range(count):
-        force = pin.rnea(model, data, q[k], v[k], a[k])[:3]
-        a[k, :3] = com_acceleration[k] - force / robot.mass
-        effort[k] = pin.rnea(model, data, q[k], v[k], a[k])
-    return effort
+    force = inverse_dynamics(robot.model, q, v, a)[:, :3]
+    a[:, :3] = com_acceleration - force / robot.mass
+    return inverse_dynamics(robot.model, q, v, a)
 
 
 def _contact_effort(robot: Robot, position: Array, arm: Array, force: Array) -> Array:

@@ -14,7 +14,7 @@ from llsrbm.analysis.inertia_ellipsoid import ellipsoid
 from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.errors import InputError
 from llsrbm.look.visuals import LinkVisual, forward_kinematics
-from llsrbm.mechanics import GRAVITY, rotation_matrices, sign_continuous
+from llsrbm.mechanics import GRAVITY, interpolated, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Surroundings, surroundings
@@ -208,11 +208,10 @@ def _with_mean_forces(motion: WholeBodyMotion, rollout: Rollout, time: Array) ->
     """
     ticks, values = rollout.time, rollout.contact_force
     assert motion.foot_force is not None  # rollouts have them
-    flat = values.reshape(len(values), -1)
-    total = np.vstack([np.zeros(flat.shape[1]), np.cumsum(np.diff(ticks)[:, None] * flat[:-1], 0)])
-    sums = np.stack([np.interp(time, ticks, column) for column in total.T], axis=1)
-    means = np.diff(sums, axis=0) / np.diff(time)[:, None]
+    pushed = np.cumsum(np.diff(ticks)[:, None, None] * values[:-1], axis=0)
+    total = np.concatenate([np.zeros((1, *values.shape[1:])), pushed])
+    means = np.diff(interpolated(time, ticks, total), axis=0) / np.diff(time)[:, None, None]
     within = (time[:-1] >= ticks[0] - 1e-9) & (time[1:] <= ticks[-1] + 1e-9)
     force = motion.foot_force.copy()
-    force[:-1][within] = means.reshape(len(means), *values.shape[1:])[within]
+    force[:-1][within] = means[within]
     return replace(motion, foot_force=force)

@@ -30,7 +30,7 @@ from scipy.interpolate import CubicSpline
 from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities, centroidal_states, momentum_maps
 from llsrbm.body.postures import joint_speeds, solve_postures
-from llsrbm.mechanics import apply, rotation_matrices, sign_continuous
+from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_continuous
 from llsrbm.motion.curves import Indices, Polynomials, Turns, slope_of, turns
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import Instants, resample, sampled
@@ -241,7 +241,7 @@ class _ByMomentum(_Body):
     def _postures(self, motion: dict[str, Array], quat: Array, feet: _Feet) -> tuple[Array, Array]:
         """Joints (K, J), and the base's origin (K, 3)."""
         time = self._plan.time
-        near = np.stack([np.interp(motion["time"], time, each) for each in self._joints.T], axis=1)
+        near = interpolated(motion["time"], time, self._joints)
         near[:, self._robot.arm_joint_index] = motion["arms"]
         found = solve_postures(self._robot, motion["com"], quat, feet.place, feet.quat, near=near)
         return found.joint_position, found.base_position

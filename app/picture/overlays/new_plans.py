@@ -13,7 +13,7 @@ from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array
+from llsrbm.mechanics import Array, interpolated
 from llsrbm.motion.replan import Replan
 
 _PIECES = 14  # of the CoM's path
@@ -71,7 +71,7 @@ class NewPlans(Overlay):
 def _path(replan: Replan) -> Array:
     """Points of a plan's CoM, (_PIECES + 1, 3) m, evenly spaced in time."""
     times = np.linspace(replan.time[0], replan.time[-1], _PIECES + 1)
-    return np.stack([np.interp(times, replan.time, axis) for axis in replan.com.T], axis=1)
+    return interpolated(times, replan.time, replan.com)
 
 
 def _times(taken: Sequence[Replan]) -> tuple[Array, NDArray[np.int64]]:

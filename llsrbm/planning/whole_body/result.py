@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
 from llsrbm.body.momentum import centroidal_states
-from llsrbm.mechanics import apply, quaternions, rotation_matrices, sign_continuous
+from llsrbm.mechanics import apply, interpolated, quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import NODES, Grid
 from llsrbm.planning.whole_body.motion import Motion
@@ -52,7 +52,7 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
     foot_base = robot.chains.motion(q_legs).foot
-    in_hip = _between(time, plan.time, plan.foot_in_hip)
+    in_hip = interpolated(time, plan.time, plan.foot_in_hip)
     in_hip[..., :3] = robot.mirrors * (foot_base - robot.hips)
     return replace(
         plan,
@@ -108,9 +108,3 @@ def _resting(stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
     before = np.concatenate([stands[:1], stands[:-1]])
     rests: NDArray[np.bool_] = stands | before
     return rests
-
-
-def _between(time: Array, known: Array, values: Array) -> Array:
-    flat = values.reshape(len(known), -1)
-    found = np.stack([np.interp(time, known, each) for each in flat.T], axis=1)
-    return found.reshape(len(time), *values.shape[1:])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities
-from llsrbm.mechanics import apply, rotation_matrices, sign_continuous, slerp
+from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.surroundings import Block, surroundings
 from llsrbm.planning.problem.placement import task_of
@@ -67,10 +67,10 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     omega = apply(np.swapaxes(R, -1, -2), knots.omega)
     position, velocity = plan.joint_position[:, order], plan.joint_velocity[:, order]
     state = {
-        "position": _linear(time, known, plan.base_position),
+        "position": interpolated(time, known, plan.base_position),
         "quat": _turning(time, known, plan.base_quat),
-        "joint_position": _linear(time, known, position),
-        "velocity": _linear(
+        "joint_position": interpolated(time, known, position),
+        "velocity": interpolated(
             time,
             known,
             base_velocities(
@@ -83,8 +83,8 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
                 velocity,
             ),
         ),
-        "omega": _linear(time, known, omega),
-        "joint_velocity": _linear(time, known, velocity),
+        "omega": interpolated(time, known, omega),
+        "joint_velocity": interpolated(time, known, velocity),
     }
     halves = np.diff(time)[:, None]
     rates = {
@@ -96,7 +96,7 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     interval = np.searchsorted(known, middles, side="right") - 1
     force = plan.contact_force.reshape(len(known), -1)[interval]
     # Feet's places count where they stand, in flight only their height does.
-    place = _linear(time, known, plan.foot_position.reshape(len(known), -1))
+    place = interpolated(time, known, plan.foot_position.reshape(len(known), -1))
     last_knot = np.searchsorted(known, time + SAME_INSTANT, side="right") - 1
     count, solids = grid.intervals, surroundings(robot, plan, Scenario()).solids
     q = np.hstack([state["position"], np.roll(state["quat"], -1, axis=1), state["joint_position"]])
@@ -128,11 +128,6 @@ def variables(start: Start, grid: Grid, sizes: Sizes, unit: Array) -> Array:
             force = start.force[k, node].reshape(sizes.legs, -1)
             found.append(force[list(knot.standing)].ravel())
     return np.concatenate(found) / unit
-
-
-def _linear(time: Array, known: Array, values: Array) -> Array:
-    """Values (K, n) of those (N+1, n) at known instants, straight between them."""
-    return np.stack([np.interp(time, known, each) for each in values.T], axis=1)
 
 
 def _turning(time: Array, known: Array, quat: Array) -> Array:
