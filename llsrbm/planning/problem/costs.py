@@ -63,7 +63,7 @@ def _moves_arms(role: Role) -> bool:
 
 
 def _force_follows_force(role: Role) -> bool:
-    return role.in_contact and (not role.last or (not role.final and bool(role.staying)))
+    return role.in_contact and (not role.last or (not role.final and bool(role.remaining)))
 
 
 def _swing_effort(stage: Stage) -> Any:
@@ -182,8 +182,8 @@ COSTS: tuple[Cost, ...] = (
         _moves,
         lambda s: ca.dot(s.parameters["upright_axes"], s.rotation_rate**2) / s.intervals,
     ),
-    # Legs that swing apart, one forward and one back, spare a light base some of its pitch; that is
-    # walking's way, and they land so. Fades with the request's twist.
+    # Legs that swing apart, one forward and one back, spare a light base some of its pitch, which
+    # makes a fore-aft split stance. Fades with the request's twist.
     Cost(
         "symmetry",
         0.0,

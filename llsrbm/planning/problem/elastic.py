@@ -161,7 +161,10 @@ def swing_numbers(layout: ElasticLayout, task: Task) -> Array:
     progress = layout.swing_progress[0][:-1]
     for phase in range(layout.phases):
         here = layout.phase[:-1] == phase
-        start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
+        start, goal = (
+            task.footholds_before(phase).feet[:, 2],
+            task.footholds_after(phase).feet[:, 2],
+        )
         share[here] = ground_share(start, goal, task.swing_share(phase, progress[here]))
     low, high = edge_ranges(task, layout)
     numbers = [np.nan_to_num(share), high[:-1] < FAR, low[:-1] > -FAR]

@@ -61,7 +61,7 @@ def clearance_line(task: Task, phase: int, progress: Array) -> Array:
         phase: of the schedule; progress: (K, L) share of each foot's swing, of what is left of it
             where that is under way.
     """
-    start, goal = task.stood(phase).feet[:, 2], task.lands(phase).feet[:, 2]
+    start, goal = task.footholds_before(phase).feet[:, 2], task.footholds_after(phase).feet[:, 2]
 
     def line(s: Array) -> Array:
         arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance
@@ -98,7 +98,7 @@ def _range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array,
     """
     legs = range(len(task.schedule.legs))
     towards = task.towards(phase)
-    stood, lands = task.stood(phase), task.lands(phase)
+    stood, lands = task.footholds_before(phase), task.footholds_after(phase)
     start, goal = (
         np.einsum("lcj,lj->lc", place.contacts[:, :2].reshape(len(legs), -1, 2), towards)
         for place in (stood, lands)

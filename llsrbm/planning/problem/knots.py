@@ -298,7 +298,7 @@ def unpack(
 def _continuous(headings: Array, layout: Layout, task: Task) -> Array:
     """(N+1, L) rad: without jumps by whole turns from where feet stood to touchdown."""
     for leg, lift, touch in layout.swings:
-        stood = task.stood(int(layout.phase[lift])).yaw[leg]
+        stood = task.footholds_before(int(layout.phase[lift])).yaw[leg]
         headings[lift:touch, leg] = np.unwrap(np.append(stood, headings[lift:touch, leg]))[1:]
     return headings
 

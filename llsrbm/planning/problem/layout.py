@@ -209,12 +209,12 @@ class Layout:
             "feet": role.in_air,
             "feet_velocity": role.in_air,
             "feet_step": role.swinging,
-            "feet_stop": role.settling,
-            "next_feet": role.rising,
-            "next_feet_velocity": role.rising,
+            "feet_stop": role.touching_down,
+            "next_feet": role.lifting_off,
+            "next_feet_velocity": role.lifting_off,
             "force": role.standing,
-            "force_step": role.staying if role.last else role.standing,
-            "next_force": role.settling,
+            "force_step": role.remaining if role.last else role.standing,
+            "next_force": role.touching_down,
         }
         return sets.get(name, ())
 
@@ -247,9 +247,9 @@ class Layout:
         names = ["force_step"] if self._force_steps(role) else []
         names += [ARMS[2]] if role.moves_arms and not role.initial else []
         names += ["feet_step"] if role.swinging else []
-        names += ["feet_stop"] if role.settling else []
-        names += ["next_feet", "next_feet_velocity"] if role.rising else []
-        names += ["next_force"] if role.settling else []
+        names += ["feet_stop"] if role.touching_down else []
+        names += ["next_feet", "next_feet_velocity"] if role.lifting_off else []
+        names += ["next_force"] if role.touching_down else []
         names += ["next_duration"] if role.last and not role.final else []
         return (*names, "rotation_rate")
 
@@ -257,7 +257,7 @@ class Layout:
     def _force_steps(role: Role) -> bool:
         if not role.standing:
             return False
-        return not role.last or (not role.final and bool(role.staying))
+        return not role.last or (not role.final and bool(role.remaining))
 
     def state_size(self, role: Role) -> int:
         """nx of a stage."""

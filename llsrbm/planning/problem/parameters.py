@@ -51,7 +51,7 @@ def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[st
         values["start_feet"] = task.motion.feet
         values["start_feet_velocity"] = task.motion.feet_velocity
     for p in range(len(task.schedule)):
-        stood = task.stood(p)
+        stood = task.footholds_before(p)
         local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
         values |= dict(zip(_local_names(p), local, strict=True))
     weights = {

@@ -20,9 +20,10 @@ class Role:
         intervals: of the phase.
         standing: legs whose feet stand over the interval that starts here; swinging: the others.
         leaving, landing: at a phase's first knot, legs whose feet have just left or met the ground.
-        rising, settling: over a phase's last interval, legs whose feet leave or meet it at its end.
-        beside_swing: legs that rise or land, where they must not outrun their drives; of a body
-            that turns over, whose knees do as it lands, those that rise.
+        lifting_off, touching_down: over a phase's last interval, legs whose feet leave or meet the
+            ground at its end.
+        at_edge: legs that lift off or land, where they must not outrun their drives; of a body
+            that turns over, whose knees do as it lands, those that lift off.
         initial: the very first knot; terminal: the very last, after which nothing follows.
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
@@ -39,9 +40,9 @@ class Role:
     swinging: tuple[int, ...]
     leaving: tuple[int, ...] = ()
     landing: tuple[int, ...] = ()
-    rising: tuple[int, ...] = ()
-    settling: tuple[int, ...] = ()
-    beside_swing: tuple[int, ...] = ()
+    lifting_off: tuple[int, ...] = ()
+    touching_down: tuple[int, ...] = ()
+    at_edge: tuple[int, ...] = ()
     initial: bool = False
     terminal: bool = False
     first: bool = False
@@ -75,9 +76,9 @@ class Role:
         return bool(self.flying) and not self.initial
 
     @property
-    def staying(self) -> tuple[int, ...]:
+    def remaining(self) -> tuple[int, ...]:
         """Standing legs whose feet stand after the interval, too."""
-        return tuple(leg for leg in self.standing if leg not in self.rising)
+        return tuple(leg for leg in self.standing if leg not in self.lifting_off)
 
     @property
     def is_flight(self) -> bool:
@@ -92,7 +93,7 @@ class Role:
     @property
     def moves_feet(self) -> bool:
         """True if a foot leaves, swings or lands here: where joints are fast."""
-        return bool(self.swinging or self.rising or self.landing)
+        return bool(self.swinging or self.lifting_off or self.landing)
 
 
 def roles_of(
@@ -116,7 +117,7 @@ def roles_of(
         after = np.array(stands[min(p + 1, last_phase)])
         for k in range(count):
             first, last = k == 0, k == count - 1
-            rising = _legs(now & ~after) if last else ()
+            lifting_off = _legs(now & ~after) if last else ()
             landing = _legs(~before & now) if first else ()
             roles.append(
                 Role(
@@ -126,9 +127,9 @@ def roles_of(
                     swinging=_legs(~now),
                     leaving=_legs(before & ~now) if first else (),
                     landing=landing,
-                    rising=rising,
-                    settling=_legs(~now & after) if last else (),
-                    beside_swing=tuple(sorted({*rising, *(() if turns else landing)})),
+                    lifting_off=lifting_off,
+                    touching_down=_legs(~now & after) if last else (),
+                    at_edge=tuple(sorted({*lifting_off, *(() if turns else landing)})),
                     initial=p == 0 and first,
                     first=first,
                     last=last,

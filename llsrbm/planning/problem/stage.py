@@ -42,16 +42,16 @@ class Stage(StageFeet):
 
     @cached_property
     def edge_rates(self) -> Any:
-        """q' of legs `beside_swing` as their feet leave or have met the ground, (n, them)."""
+        """q' of legs `at_edge` as their feet leave or have met the ground, (n, them)."""
         legs, rates = self.model.drives.legs, []
-        for i in self.role.beside_swing:
-            x, xdot = self.feet_at_end if i in self.role.rising else self.feet_at_begin
+        for i in self.role.at_edge:
+            x, xdot = self.feet_at_end if i in self.role.lifting_off else self.feet_at_begin
             rates.append(self.lift(legs[i].rates(x[:, i], xdot[:, i])))
         return ca.horzcat(*rates)
 
     @cached_property
     def joint_torques(self) -> Any:
-        """(n, L + settling) shares of what the drives give at rest.
+        """(n, L + touching_down) shares of what the drives give at rest.
 
         Standing legs in the middle of the interval: what holds the contact forces and the leg's
         own weight, and what moves the leg. Swinging legs: what swings them as the interval

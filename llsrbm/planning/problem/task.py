@@ -246,11 +246,11 @@ class Task:
             lands[p] = np.where(stands[p], self.schedule[p].place, lands[p + 1])
         return lands
 
-    def stood(self, phase: int) -> Footholds:
+    def footholds_before(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stood last."""
         return self._footholds[0][phase]
 
-    def lands(self, phase: int) -> Footholds:
+    def footholds_after(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stand next."""
         return self._footholds[1][phase]
 

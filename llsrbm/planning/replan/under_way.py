@@ -96,7 +96,7 @@ def relaxed_limits(task: Task) -> Task:
 
 
 def falling_time(height: float, speed: float) -> float:
-    """S in which a body with `speed`, m/s upwards, comes down by `height`, m; 0 if it never is."""
+    """Time (s) until a body with `speed` (m/s, upwards) has come down by `height` (m); 0: never."""
     under_root = speed**2 + 2 * GRAVITY * height
     return float((speed + np.sqrt(under_root)) / GRAVITY) if under_root > 0 else 0.0
 

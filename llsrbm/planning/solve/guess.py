@@ -292,7 +292,7 @@ def _flying_foot(
 ) -> Array:
     """(K, d) m, rad: x of a foot at the knots of the swing that begins with a phase."""
     s = np.arange(len(bodies)) / (len(bodies) - 1)
-    stood, lands = task.stood(phase), task.lands(phase)
+    stood, lands = task.footholds_before(phase), task.footholds_after(phase)
     a, b = task.schedule[phase].place, int(task.landing_place(phase, leg))
     start, goal = task.places[a], task.places[b]
     shift = path.com(b) - path.com(a)

@@ -61,12 +61,12 @@ class DriveConstraint(AgreedConstraint):
     edge_reserve: ClassVar[float] = 0.0
 
     def rows(self, stage: Stage) -> Any:
-        """(n (L + settling + beside a swing) + A n, 1)."""
+        """(n (L + touching_down + beside a swing) + A n, 1)."""
         return tamed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
 
     @abstractmethod
     def shares(self, stage: Stage) -> Any:
-        """(n, L + settling + beside a swing) what is bounded."""
+        """(n, L + touching_down + beside a swing) what is bounded."""
 
     @abstractmethod
     def arm_shares(self, stage: Stage) -> Any:
@@ -177,8 +177,8 @@ class DriveConstraint(AgreedConstraint):
     def _further_legs(self, role: Role) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Legs that have rows for a swing's end, and for lift-off or touchdown, after all legs'."""
         return (
-            role.settling if self.of_both_ends else (),
-            role.beside_swing if self.of_edges else (),
+            role.touching_down if self.of_both_ends else (),
+            role.at_edge if self.of_edges else (),
         )
 
 

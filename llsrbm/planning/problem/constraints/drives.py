@@ -122,9 +122,9 @@ class TorqueAtSpeed(JointTorque):
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3; at edges with the interval's torque and the edge's speed."""
         limit = ca.DM(stage.model.drives.speed_limit.T)
-        speeds, beside = stage.joint_rates / limit, list(stage.role.beside_swing)
+        speeds, beside = stage.joint_rates / limit, list(stage.role.at_edge)
         torques = FALL * stage.joint_torques / stage.parameters["torque_share"]
-        sums = torques + ca.horzcat(speeds, *(speeds[:, i] for i in stage.role.settling))
+        sums = torques + ca.horzcat(speeds, *(speeds[:, i] for i in stage.role.touching_down))
         if not beside:
             return sums
         return ca.horzcat(sums, torques[:, beside] + stage.edge_rates / limit[:, beside])
@@ -187,7 +187,7 @@ class JointSpeed(DriveConstraint):
 
     def shares(self, stage: Stage) -> Any:
         """Speeds as shares of their limits."""
-        limit, beside = ca.DM(stage.model.drives.speed_limit.T), list(stage.role.beside_swing)
+        limit, beside = ca.DM(stage.model.drives.speed_limit.T), list(stage.role.at_edge)
         shares = stage.joint_rates / limit
         return ca.horzcat(shares, stage.edge_rates / limit[:, beside]) if beside else shares
 
@@ -268,10 +268,10 @@ def _overruns(task: Task, role: Role) -> bool:
 
 
 def _edge_velocity(knots: Knots) -> Array:
-    """(N, J) rad/s or m/s; NaN where no rows are, see `Role.beside_swing`."""
+    """(N, J) rad/s or m/s; NaN where no rows are, see `Role.at_edge`."""
     velocity = knots.loads.edge_velocity.copy()
     for interval, role in enumerate(knots.layout.roles[: len(velocity)]):
-        for leg in {*role.landing} - {*role.beside_swing}:
+        for leg in {*role.landing} - {*role.at_edge}:
             velocity[interval, knots.task.robot.leg_joint_index[leg]] = np.nan
     return velocity
 

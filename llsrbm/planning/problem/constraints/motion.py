@@ -183,7 +183,7 @@ class UprightLanding(Constraint):
 
 
 class Rebound(Constraint):
-    """v_z <= `REBOUND` from touchdown on, of flips: who rises again leaves the ground.
+    """v_z <= `REBOUND` from touchdown on, of flips: a rebounding CoM unloads the feet.
 
     Barrel rolls, whose landing is shorter, are not planned so.
     """

@@ -102,18 +102,18 @@ class PutDown(Constraint):
 
     def applies(self, role: Role) -> bool:
         """As the last interval of a flight begins."""
-        return bool(role.settling)
+        return bool(role.touching_down)
 
     def rows(self, stage: Stage) -> Any:
-        """(2 settling, 1) m, horizontal places, less the shift of where they land."""
+        """(2 touching_down, 1) m, horizontal places, less the shift of where they land."""
         if not stage.layout.turns:
             return ca.SX(0, 1)
         shift = stage.shift if stage.role.lands_shifted else ca.SX.zeros(2)
-        return ca.vertcat(*(stage.foot_place(i)[:2] - shift for i in stage.role.settling))
+        return ca.vertcat(*(stage.foot_place(i)[:2] - shift for i in stage.role.touching_down))
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Around where they will stand."""
         role = layout.roles[knot]
-        feet = list(role.settling) if layout.turns else []
-        places = task.lands(role.phase).feet[feet, :2].ravel()
+        feet = list(role.touching_down) if layout.turns else []
+        places = task.footholds_after(role.phase).feet[feet, :2].ravel()
         return places - BESIDE, places + BESIDE

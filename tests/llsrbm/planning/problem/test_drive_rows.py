@@ -56,8 +56,8 @@ def rows_and_loads(which):
         here = shares(rows[k]["joint_torque"]).reshape(-1, joints)
         mean = here[:legs].copy()
         for leg in role.swinging:
-            if leg in role.settling:
-                after = here[legs + role.settling.index(leg)]
+            if leg in role.touching_down:
+                after = here[legs + role.touching_down.index(leg)]
             else:
                 after = shares(rows[k + 1]["joint_torque"]).reshape(-1, joints)[leg]
             mean[leg] = (mean[leg] + after) / 2
@@ -65,8 +65,8 @@ def rows_and_loads(which):
         if "joint_speed" in rows[k]:
             found = shares(rows[k]["joint_speed"])
             speed[k] = of_joints(found)
-            if role.beside_swing:
-                mine = columns[list(role.beside_swing)].ravel()
+            if role.at_edge:
+                mine = columns[list(role.at_edge)].ravel()
                 true = loads.edge_velocity[k, mine] / robot.speed_limit[mine]
                 edges.append((found[columns.size :], true))
     needed = loads.joint_torque / robot.torque_limit, loads.joint_velocity / robot.speed_limit

@@ -91,9 +91,9 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
         assert position.ravel() == pytest.approx(task.goal_position, abs=1e-9)
         assert np.abs(quat.ravel() @ task.goal_quat) == pytest.approx(1, abs=1e-9)
         assert velocity.ravel() == pytest.approx(task.goal_velocity, abs=1e-9)
-        assert pytest.approx(task.stood(phase).feet, abs=1e-9) == feet.T
-        assert pytest.approx(task.stood(phase).contacts, abs=1e-9) == contacts.T
-        assert yaw.ravel() == pytest.approx(task.stood(phase).yaw, abs=1e-9)
+        assert pytest.approx(task.footholds_before(phase).feet, abs=1e-9) == feet.T
+        assert pytest.approx(task.footholds_before(phase).contacts, abs=1e-9) == contacts.T
+        assert yaw.ravel() == pytest.approx(task.footholds_before(phase).yaw, abs=1e-9)
         _same_clearance(layout, reference, task, knot, np.ravel(moved[: layout.legs]))
 
 

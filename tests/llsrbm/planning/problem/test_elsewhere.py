@@ -152,7 +152,7 @@ def assert_alike(of, there, skip=(), tolerance=1e-8):
             )
         np.testing.assert_allclose(here["cost"], moved["cost"], rtol=tolerance, atol=tolerance)
         if not role.terminal:
-            state = there.state(of.robot, of.layout, knot + 1, here["state"])
+            state = there.states(of.robot, of.layout, knot + 1, here["state"])
             np.testing.assert_allclose(moved["state"], state, rtol=tolerance, atol=tolerance)
     return seen
 

@@ -132,8 +132,8 @@ def test_every_lift_off_has_its_touchdown(layout):
         assert not layout.standing[lift:touch, leg].any()
         assert layout.standing[lift - 1, leg]
         assert layout.standing[touch, leg]
-        assert leg in layout.roles[lift - 1].rising
-        assert leg in layout.roles[touch - 1].settling
+        assert leg in layout.roles[lift - 1].lifting_off
+        assert leg in layout.roles[touch - 1].touching_down
         inside = layout.roles[lift + 1 : touch]
         assert all(leg in role.flying for role in inside)
 
@@ -159,7 +159,7 @@ def test_front_feet_swing_from_the_push_to_the_landing():
         (3, away, touch),
     )
     pushing = REAR_LAST.roles[5]
-    assert pushing.standing == pushing.staying == (2, 3)
+    assert pushing.standing == pushing.remaining == (2, 3)
     assert pushing.swinging == pushing.flying == pushing.in_air == (0, 1)
     assert pushing.in_contact
     assert not pushing.is_flight

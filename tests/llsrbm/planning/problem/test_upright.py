@@ -137,7 +137,7 @@ def test_feet_come_down_onto_their_places_as_the_last_interval_begins():
     (knot,) = (k for k, role in enumerate(layout.roles) if constraint.applies(role))
     assert knot == landing(layout)[0] - 1
     low, high = constraint.bounds(task, layout, knot)
-    places = task.lands(int(layout.phase[knot])).feet[:, :2].ravel()
+    places = task.footholds_after(int(layout.phase[knot])).feet[:, :2].ravel()
     np.testing.assert_allclose([low, high], [places - BESIDE, places + BESIDE])
 
 

@@ -128,7 +128,7 @@ def test_feet_swing_from_where_they_stood_to_where_they_will_stand(name):
     task, layout = make_task(jump, ROBOT), layout_of(jump, ROBOT)
     knots = unpack(analytic_guess(task, layout, MODEL), layout, task, MODEL)
     for leg, lift, touch in layout.swings:
-        stood, lands = (task.stood(layout.phase[k]).feet[leg] for k in (lift - 1, touch))
+        stood, lands = (task.footholds_before(layout.phase[k]).feet[leg] for k in (lift - 1, touch))
         assert np.linalg.norm(seen(knots, lift)[leg] - stood) < 0.1
         assert np.linalg.norm(seen(knots, touch)[leg] - lands) < 0.1
 
