@@ -9,7 +9,6 @@ from __future__ import annotations
 import io
 import logging
 import xml.etree.ElementTree as ET
-from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,18 +26,27 @@ _GREY = "0.7 0.7 0.7 1"
 _log = logging.getLogger(__name__)
 
 
-@lru_cache(maxsize=4)  # the same file is often one of several links, and is not kept for long
 def read_meshes(path: Path) -> tuple[trimesh.Trimesh, ...]:
     """A file's meshes with faces, m, where its nodes put them. Do not change them.
 
     Raises:
         RobotFileError: it cannot be read, has no face, or has corners at no finite place.
     """
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(_POINTER))
+        written = path.stat().st_mtime_ns
+    except OSError as error:
+        raise RobotFileError(f"{path}: this mesh cannot be read: {error.strerror}") from error
+    if start == _POINTER:
+        raise RobotFileError(f"{path}: Git LFS has not fetched this mesh; run `git lfs pull`")
+    return _read(path, written)
+
+
+@lru_cache(maxsize=4)  # the same file is often one of several links, and is not kept for long
+def _read(path: Path, _written: int) -> tuple[trimesh.Trimesh, ...]:
     import trimesh
 
-    with suppress(OSError), path.open("rb") as file:
-        if file.read(len(_POINTER)) == _POINTER:
-            raise RobotFileError(f"{path}: Git LFS has not fetched this mesh; run `git lfs pull`")
     try:
         scene = _collada(path) if path.suffix.lower() == ".dae" else trimesh.load_scene(path)
         found = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]

@@ -179,12 +179,7 @@ def _stl(corners: NDArray[np.float32]) -> bytes:
 
 
 def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
-    """Places and inertias of bodies with all digits, of which MuJoCo writes six.
-
-    Frames that are left of the URDF's fixed joints go; bodies in them are placed in their parents.
-    """
-    for body in list(root.iter("body")):
-        _lift_out_of_frames(body)
+    """Places and inertias of bodies with all digits, of which MuJoCo writes six."""
     for body in root.iter("body"):
         number = model.body(body.get("name")).id
         for key, value, default in (
@@ -201,15 +196,6 @@ def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
             inertial.set("pos", _text(model.body_ipos[number]))
             inertial.set("quat", _text(model.body_iquat[number]))
             inertial.set("diaginertia", _text(model.body_inertia[number]))
-
-
-def _lift_out_of_frames(body: ET.Element) -> None:
-    while (frame := body.find("frame")) is not None:
-        place = list(body).index(frame)
-        body.remove(frame)
-        for inner in reversed(list(frame)):
-            assert inner.tag in ("body", "frame")
-            body.insert(place, inner)
 
 
 def exported_name(name: str) -> str:

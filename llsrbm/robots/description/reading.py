@@ -24,6 +24,7 @@ from llsrbm.robots.description.source import read_xml
 from llsrbm.robots.description.tree import check_tree, without_floating_root
 
 _KINDS = ("revolute", "continuous", "prismatic", "fixed")
+_PINOCCHIOS = ("universe", "root_joint")  # names of its world and of the joint of the root
 _FREE = "floating"  # of a joint between the world and the root alone
 _OF_ROBOT = ("link", "joint", "material")
 _OF_LINK = ("inertial", "visual", "collision")
@@ -198,6 +199,8 @@ def _joint(element: ET.Element, where: str) -> Joint:
         link.check(("link",), strict=True)
         ends[end] = link.text("link")
     moves = kind not in ("fixed", _FREE)
+    if element.attrib["name"] in (_PINOCCHIOS if moves else _PINOCCHIOS[:1]):
+        raise part.fault("Pinocchio has that name for itself; expected another one")
     return Joint(
         name=element.attrib["name"],
         kind=kind,

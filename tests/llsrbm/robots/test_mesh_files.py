@@ -151,6 +151,7 @@ def test_collisions_pictures_and_hulls_have_the_same_mesh(tmp_path, suffix, scal
         ("empty.stl", b"", "cannot be read|is empty"),
         ("flat.stl", trimesh.Trimesh().export(file_type="stl"), "is empty|cannot be read"),
         ("broken.dae", b"<COLLADA", "cannot be read"),
+        ("part.step", b"", "cannot be read; expected a file .*stl"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "corners that are no numbers|empty"),
         ("point.obj", b"v 1 1 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\nf 2 3 4\n", "hull|empty"),
         (

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
@@ -58,6 +58,7 @@ def agrees(robot, urdf, seed=0):
         np.testing.assert_allclose(simulated.subtree_com[1], com, atol=1e-9)
         for body in range(1, scene.model.nbody):
             link = scene.model.body(body).name
+            link = "world" if link == "world_link" else link  # MuJoCo's own is called so
             np.testing.assert_allclose(simulated.xpos[body], places[link][:3, 3], atol=1e-9)
             seen = simulated.xmat[body].reshape(3, 3)
             np.testing.assert_allclose(seen, places[link][:3, :3], atol=1e-9)
@@ -80,7 +81,11 @@ IGNORED = """<!-- a comment --><gazebo reference="trunk"><mass>9</mass></gazebo>
 numbers = st.floats(-1.2, 1.2).map(lambda x: round(x, 6))
 
 
-@settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=25,
+    phases=[Phase.explicit, Phase.reuse, Phase.generate],
+    suppress_health_check=[HealthCheck.function_scoped_fixture],
+)
 @given(
     axis=st.tuples(numbers, numbers, numbers).filter(lambda v: np.linalg.norm(v) > 0.1),
     kind=st.sampled_from(["revolute", "continuous", "prismatic"]),
@@ -200,6 +205,10 @@ REFUSED = {
         added('<link name="a"/>' + FIXED.format(n="left_hip", t="fixed", p="trunk", c="a")),
         ['"left_hip"', "two joints"],
     ),
+    **{
+        f"a joint called {name}": (URDF.replace('"left_knee"', f'"{name}"'), [name, "Pinocchio"])
+        for name in ("universe", "root_joint")
+    },
     "an unknown parent": (
         added('<link name="a"/>' + FIXED.format(n="j", t="fixed", p="trnk", c="a")),
         ['joint "j"', '"trnk"', 'did you mean "trunk"'],
