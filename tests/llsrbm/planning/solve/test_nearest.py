@@ -105,6 +105,18 @@ def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
     assert back.jump.twist == pytest.approx(shown.jump.twist, abs=math.radians(3))
 
 
+@pytest.mark.parametrize(("forward", "least"), [(0.6, 60), (0.0, 105), (-0.3, 100)])
+def test_of_several_ways_to_less_the_one_that_keeps_most_is_found(forward, least):
+    """Half of a request as the guess leads to 53, 81 and 75 degrees."""
+    jump = Jump(twist=math.pi, forward=forward, height=0.3)
+    with pytest.raises(NotConverged) as caught:
+        llsrbm.plan(jump, guesses=False, explains=False)
+    found = caught.value.nearest
+    assert found.solved
+    assert found.jump == replace(jump, twist=found.jump.twist)
+    assert found.jump.twist >= math.radians(least)
+
+
 def elastic():
     planner = planner_for("anymal", FAR.model)
     return planner._elastic(make_task(FAR, ANYMAL), Watch())
