@@ -63,7 +63,7 @@ class Stop:
     amount: float
     unit: str
     limit: str | None = None  # name (`llsrbm.planning.problem.limits`); None: none alone would help
-    title: str = ""  # the limit in words
+    title: str = ""  # the limit in words, or what is violated
     value: float = 0.0  # of the limit, in `unit`
     needed: float = 0.0  # the value it would have to have
     together: bool = False  # whether the other stops have to be removed as well; else any one does
@@ -78,7 +78,8 @@ class Stop:
             return str(self.demand)
         where = f"in {self.phase} at {self.time:.2f} s"
         if self.limit is None:
-            return f"{self.constraint} is violated by {self.amount:.3g} {self.unit} {where}"
+            what = self.title or f"{self.constraint} is violated"
+            return f"{what} by {self.amount:.3g} {self.unit} {where}"
         if self.amount == 0:
             return f"the {self.title} is at its limit of {self.value:.3g}{unit}"
         needed, value = number_pair(self.needed, self.value)

@@ -49,6 +49,53 @@ STATE_UNITS = {
 }
 
 
+# Constraint -> what it means that it is violated; an amount follows.
+BROKEN = {
+    "given_contacts": "standing feet miss their places",
+    "feet_at_rest": "feet move as they leave or meet the ground",
+    "friction_pyramid": "feet push aside harder than friction holds",
+    "joint_torque": "a joint needs more torque than it has",
+    "torque_at_speed": "a joint needs more torque than it has at its speed",
+    "joint_speed": "a joint has to be faster than its drive",
+    "joint_stops": "a joint goes beyond its stop",
+    "edge": "a foot comes too near to an edge that it crosses",
+    "clearance": "a foot flies too low",
+    "body_clearance": "trunk or knees come too near to what they clear",
+    "knee_height": "a knee comes too near to the ground",
+    "legs_apart": "two legs come too near to each other",
+    "feet_apart": "two feet come too near to each other",
+    "reach": "a foot is out of its leg's reach",
+    "legs_reach": "a leg does not reach where its foot is planned",
+    "foot_speed": "a foot swings too fast",
+    "foot_yaw": "a foot turns further than its leg can",
+    "foot_turn": "a foot turns too fast",
+    "put_down": "a foot is put down beside its place",
+    "rolling": "feet roll away from where they are planned",
+    "phase_times": "a phase is too short or too long",
+    "momentum_balance": "forces and momentum disagree",
+    "rebound": "the landing throws the robot up again",
+    "upright_landing": "the trunk lands tilted",
+    "short_of_turn": "the trunk is turned too little or too far as it touches down",
+    "turns_over": "the trunk turns over too little",
+    "true_turn": "the whole body turns otherwise than the model",
+    "final_state": "the motion does not end as it should",
+    "final_place": "the centre of mass ends beside its place",
+    "arms_at_rest": "arms do not come to rest",
+    "given_up": "less is done than was asked for",
+    "dynamics_position": "the centre of mass jumps",
+    "dynamics_velocity": "the centre of mass moves otherwise than forces say",
+    "dynamics_attitude": "the trunk turns otherwise than its rate says",
+    "dynamics_momentum": "angular momentum changes otherwise than forces say",
+}
+
+
+def broken_in_words(name: str) -> str:
+    """The sentence of a violated constraint, up to the amount."""
+    gap = name.removeprefix("dynamics_")
+    unnamed = f"{name} is violated" if gap == name else f"{gap.replace('_', ' ')} jumps"
+    return BROKEN.get(name, unnamed)
+
+
 def dynamics_defects(knots: Knots) -> dict[str, tuple[str, Array]]:
     """Name -> unit and (N,) |x[k+1] - F(x[k], u[k])| (eq. 8), of all states that there are."""
     gaps = knots.rows[DYNAMICS].values.reshape(len(knots.dt), -1)
@@ -135,7 +182,7 @@ def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> s
         constraint = constraints.get(name)
         demand = constraint.demand(knots) if constraint and knots else None
         where = f"in {v.phase} at {v.time:.2f} s"
-        plain = f"{name} is violated by {v.amount:.3g} {v.unit} {where}"
+        plain = f"{broken_in_words(name)} by {v.amount:.3g} {v.unit} {where}"
         words.append(plain if demand is None else str(demand.demand))
     # Torque at rest and torque at speed may be exceeded by the same joint.
     return "; ".join(list(dict.fromkeys(words))[:3])
@@ -162,7 +209,7 @@ def stops(knots: Knots) -> tuple[Stop, ...]:
 
 
 def _plain_stop(name: str, v: Violation) -> Stop:
-    return Stop(name, v.phase, v.time, v.amount, v.unit)
+    return Stop(name, v.phase, v.time, v.amount, v.unit, title=broken_in_words(name))
 
 
 def _stop_of(knots: Knots, constraint: Constraint, v: Violation) -> Stop:

@@ -11,6 +11,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -218,7 +219,8 @@ def _from_other_end(way: ElasticFormulation, task: Task, elastic: Attempt, watch
         name: abs(getattr(task.jump, name) - getattr(reached, name)) / ((high - low) or 1.0)
         for name, (low, high) in ((name, getattr(own, name)) for name in COMPONENTS)
     }
-    less = replace(task.jump, **{max(missing, key=missing.__getitem__): 0.0})
+    without: dict[str, Any] = {max(missing, key=missing.__getitem__): 0.0}
+    less = replace(task.jump, **without)
     guess = way.embedded(task, way.plain.guess(placed(task, less)), less)
     other = way.solve(task, guess, watch, FIRST)
     return min((elastic, other), key=lambda each: (not each.converged, each.solution.cost))

@@ -240,6 +240,6 @@ def _at_limit(nearest: Nearest, gain: Gain) -> Stop:
 def sentence(found: tuple[Stop, ...]) -> str:
     """The first limit, or the first two where it takes both, in words."""
     if not found:
-        return "no single limit is found that stops it"
+        return "no single limiting constraint found"
     alone = found[0].amount > 0
     return " and ".join(str(stop) for stop in found[: 1 if alone else NAMED])

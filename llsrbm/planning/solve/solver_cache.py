@@ -36,7 +36,8 @@ _MAKERS = tuple(
     f"ocp/{name}.py"
     for name in ("horizon", "lifting", "stage_functions", "transcription", "solvers/base")
 )
-BUILDING = 400.0  # MB, about, that building a solver takes for a while
+_PIECE = 2**20
+BUILDING = 600.0  # MB, about, that building a solver takes for a while
 
 # Of solvers that work without one so far.
 _libraries: WeakKeyDictionary[Solver, Library] = WeakKeyDictionary()
@@ -95,7 +96,7 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
     def text() -> bytes:
         solver = kind(transcription())
         go_on()
-        return zlib.compress(solver.serialize().encode("ascii"), level=1)
+        return _compressed(solver.serialize())
 
     name, key = _entry(kind, subject)
     key_in_c = content_key(key, sources("ocp/compiled.py"))
@@ -120,6 +121,13 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
         solver.replace_by(library.load, library.wait)
         _libraries[solver] = library
     return solver
+
+
+def _compressed(text: str) -> bytes:
+    """Piece by piece: no second copy of a text of some 150 MB."""
+    packer = zlib.compressobj(level=1)
+    pieces = (text[k : k + _PIECE].encode("ascii") for k in range(0, len(text), _PIECE))
+    return b"".join([*map(packer.compress, pieces), packer.flush()])
 
 
 def is_built(kind: type[Solver], subject: Subject) -> bool:

@@ -9,6 +9,7 @@ from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import (
     TOLERANCE,
+    broken_in_words,
     describe_worst,
     dynamics_defects,
     satisfied,
@@ -91,7 +92,7 @@ def test_what_is_no_number_is_the_worst(request_name, robot, number):
             found = violations(diverged)
             assert not satisfied(found), name
             assert np.inf in [violation.amount for violation in found.values()], name
-            assert "is violated by inf" in describe_worst(found, diverged)
+            assert " by inf " in describe_worst(found, diverged)
             assert stops(diverged)
             for constraint in AGREED:
                 constraint.agreed_bounds(diverged)
@@ -184,5 +185,11 @@ def test_stops_of_what_no_limit_mends(knots):
     position = knots.position[20] + [0.0, 0.02, 0.0]
     first = stops(changed(knots, ("position", 20, position)))[0]
     assert (first.constraint, first.limit) == ("dynamics_position", None)
-    assert str(first).startswith("dynamics_position is violated by 0.02 m in flight")
+    assert str(first).startswith("the centre of mass jumps by 0.02 m in flight")
     assert stops(knots) == ()
+
+
+def test_every_constraint_is_named_in_words(knots):
+    names = {c.name for c in CONSTRAINTS} | violations(knots).keys()
+    unworded = {name for name in names if broken_in_words(name).startswith(name)}
+    assert not unworded
