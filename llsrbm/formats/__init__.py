@@ -1,6 +1,7 @@
 """Files that other tools read, and foreign files that can be looked at: open and write any of them.
 
-Adding a format is one declaration and one line in `FORMATS`.
+Adding a format is one declaration and one line in `FORMATS`; another package registers its own as
+an entry point `llsrbm.formats`.
 """
 
 from __future__ import annotations
