@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
@@ -71,3 +73,15 @@ def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
         planner.plan(task, lambda *_, **__: None, lambda: False)
     assert hurried == [True, True]
     assert len(started) == 1
+
+
+def test_it_ends_with_its_asker_without_a_word():
+    """While it imports or builds."""
+    jump = json.dumps(JUMP.as_dict())
+    process = subprocess.Popen(
+        [sys.executable, "-m", "app.workers.spare_solvers", jump],
+        stdin=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+    _, err = process.communicate(timeout=60)  # closes its standard input at once
+    assert err == b""
