@@ -159,7 +159,7 @@ def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
 def test_the_nearest_that_was_found_first_is_not_dropped_for_a_further_one(monkeypatch):
     asked, little, much = (Jump(twist=twist) for twist in (1.0, 0.9, 0.4))
     task = replace(make_task(asked, ROBOT), wanted=asked)
-    way, elastic = SimpleNamespace(), attempt_of(*LITTLE)
+    way, elastic = SimpleNamespace(), attempt_of(*LITTLE, asked)
     way.solve, way.penalty, way.reconciled = lambda *_: elastic, 1.0, lambda attempt, _: attempt
     rounds = iter([attempt_of(True, 0.0, little), attempt_of(True, 0.0, much)])
     monkeypatch.setattr(nearest, "replace", lambda *_, **__: way)
