@@ -1,10 +1,7 @@
-// The plots: viser's floating panel with the charts is kept below the picture, as wide as it; each
-// chart gets a cursor where the motion is, values beside its title, a box with all values under the
-// pointer, zoom of its values, buttons that copy it (plot_figure.js), and can be dragged onto another
-// one. Dragged to a side of the page the panel is docked there by viser.
-//
-// viser keeps its uPlot charts in window.__viserTestpoints.uplots and makes them anew as it likes,
-// so nothing is kept here but what hangs on a chart. Gaps that viser leaves are mended here as well.
+// The plots: viser's floating panel with the charts is kept below the picture, as wide as it. Each
+// chart gets a cursor where the motion is, values beside its title and under the pointer, a zoom,
+// buttons that copy it (plot_figure.js), and can be dragged onto another one. viser makes its charts
+// (window.__viserTestpoints.uplots) anew as it likes: nothing is kept but what hangs on a chart.
 (() => {
   const { page, player, layout, element, write, lacking, addToPage } = window.llsrbm;
 
@@ -60,8 +57,7 @@
       box-shadow: 0 2px 8px rgba(0, 0, 0, 0.2); }
     .llsrbm-hover table { border-collapse: collapse; }
     .llsrbm-hover td { padding: 0 0 0 0.8em; text-align: right; white-space: nowrap; }
-    .llsrbm-hover td:first-child { padding: 0; text-align: left; }
-    .llsrbm-hover td:last-child { padding-left: 0.3em; text-align: left; }`;
+    .llsrbm-hover td:is(:first-child, :last-child) { padding-left: 0.3em; text-align: left; }`;
 
   // ---- the area
 
@@ -121,15 +117,12 @@
 
   const dressings = new WeakMap(); // chart -> its elements
   let shown = null; // s; null until there is a motion
-  let valuesAt = -Infinity; // performance.now() of the last numbers
-  let pending = 0; // timer of the numbers that were put off
+  let valuesAt = -Infinity, pending = 0; // time of the last numbers; timer of those put off
   let pointed = null; // the chart that the pointer is in
   const box = element("div", { class: "llsrbm-hover" });
 
-  function charts() {
-    const known = window.__viserTestpoints?.uplots;
-    return known ? Object.values(known).map((entry) => entry.chart) : [];
-  }
+  const charts = () =>
+    Object.values(window.__viserTestpoints?.uplots ?? {}).map((entry) => entry.chart);
 
   // On every frame: a size is only asked for of charts that are new, for then the page is laid out.
   function dressed() {
@@ -151,7 +144,7 @@
     return [{ index, colour, dash: series.dash, name: series.label, aside: more.includes("aside") }];
   });
 
-  // A line's colour as that of letters, by day and by night.
+  // As the colour of letters, by day and by night.
   const readable = (colour) => `color-mix(in srgb, ${colour} 60%, var(--mantine-color-text))`;
 
   function dress(chart) {
@@ -221,9 +214,8 @@
   }
 
   function writeValues(chart, { lines }) {
-    const pointedAt = pointed && chart.cursor.idx != null ? chart.cursor.idx : null;
+    const pointedAt = pointed ? chart.cursor.idx : null, digits = digitsOf(chart);
     const index = pointedAt ?? (shown == null ? -1 : chart.valToIdx(shown));
-    const digits = digitsOf(chart);
     for (const line of lines) {
       if (line.value) write(line.value, written(chart.data[line.index]?.[index], digits));
     }
@@ -246,8 +238,7 @@
     const index = chart.cursor.idx;
     if (index == null) return;
     const unit = /\[([^\]]*)\]$/.exec(titleOf(chart))?.[1] ?? "";
-    const digits = digitsOf(chart);
-    const table = element("table");
+    const digits = digitsOf(chart), table = element("table");
     const row = (name, value, units, colour) => {
       const cells = [name, value, units].map((text) => element("td", {}, text));
       if (colour) cells[0].style.color = readable(colour);
@@ -260,12 +251,10 @@
     }
     box.replaceChildren(table);
     box.style.display = "block";
-    const { offsetWidth: width, offsetHeight: height } = box;
-    const right = event.clientX + BESIDE + width < window.innerWidth;
-    const x = right ? event.clientX + BESIDE : event.clientX - BESIDE - width;
-    const under = event.clientY + BESIDE + height < window.innerHeight;
-    const y = under ? event.clientY + BESIDE : event.clientY - BESIDE - height;
-    box.style.transform = `translate(${Math.max(x, 0)}px, ${Math.max(y, 0)}px)`;
+    const beside = (at, size, room) =>
+      Math.max(0, at + BESIDE + size < room ? at + BESIDE : at - BESIDE - size);
+    box.style.transform = `translate(${beside(event.clientX, box.offsetWidth, innerWidth)}px, ` +
+      `${beside(event.clientY, box.offsetHeight, innerHeight)}px)`;
   }
 
   function leave() {

@@ -20,6 +20,9 @@ def visit(browser, designer, view=VIEW, **options):
     before = designer.sessions
     page = opened(browser, designer.url, view, **options)
     shows_motion(page)
+    # The server's word to play comes after the clip: a test that pauses before it would see the
+    # motion run all the same.
+    page.wait_for_function("llsrbm.player.playing")
     (page.session,) = [each for each in designer.sessions if each not in before]
     page.designer = designer
     return page

@@ -159,6 +159,8 @@ LAID_OUT = """() => {
     bar: document.getElementById("llsrbm-transport").getBoundingClientRect().top,
     plots: document.querySelector(".llsrbm-plot-area")?.parentElement.innerText,
     camera: camera.matrixWorld.elements,
+    time: llsrbm.player.time,
+    playing: llsrbm.player.playing,
     whole: canvas.width >= canvas.clientWidth, // what stands is drawn in full after a while
   };
 }"""
@@ -185,23 +187,11 @@ def saved_and_seen(page):
     raise AssertionError(f"the page does not come to rest: {before} became {after}")
 
 
-def robot_box(pixels, bar):
-    """(4,) pixels: first and last row and column of what is dark between buttons and bar."""
-    rows, columns = np.nonzero(dark(pixels)[60 : int(bar), NOTE[0] :])
-    return np.array([rows.min(), rows.max(), columns.min(), columns.max()])
-
-
 def apart(saved, seen, bar):
     """(H, W) where two pictures differ, below the buttons and above the bar."""
     differs = np.abs(seen - saved).max(axis=2) > 40
     differs[: NOTE[1], : NOTE[0]] = False  # viser's note comes when it likes
     return differs[60 : int(bar)]
-
-
-def drawn_in_words(pixels):
-    """A picture in 20 lines of characters, dark to light, for a log that holds no pictures."""
-    grey = np.asarray(Image.fromarray(pixels.astype(np.uint8)).convert("L").resize((80, 20)))
-    return "\n".join("".join("#*+=-. "[shade // 37] for shade in row) for row in grey)
 
 
 def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(page):
@@ -211,16 +201,7 @@ def test_a_picture_is_saved_at_the_canvas_own_size_and_the_page_shows_all_of_it(
     assert list(saved.shape[:2]) == at["canvas"]
     assert dark(saved).mean() > 0.01  # the robot
     assert saved[-5, 5].sum() > saved[5, 5].sum() > 300  # sky and floor, no hole
-    # On a busy machine the two show the robot in postures of different instants, thus its box: what
-    # was cut off would be missing, or stand elsewhere.
-    one, other = (robot_box(pixels, at["bar"]) for pixels in (saved, seen))
-    differs = apart(saved, seen, at["bar"])
-    low, high = np.minimum(one, other)[::2] - 5, np.maximum(one, other)[1::2] + 5
-    differs[low[0] : high[0], NOTE[0] + low[1] : NOTE[0] + high[1]] = False
-    alike = np.abs(one - other).max() < 40 and differs.mean() < 0.01
-    assert alike, (
-        f"{one} {other}\nsaved\n{drawn_in_words(saved)}\nseen\n{drawn_in_words(seen)}\n{at}"
-    )
+    assert apart(saved, seen, at["bar"]).mean() < 0.01, at
 
 
 def test_a_motion_that_leaves_the_picture_is_followed_until_a_hand_moves_the_camera(page):

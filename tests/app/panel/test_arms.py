@@ -47,13 +47,3 @@ def test_a_file_and_a_pin_tell_of_held_arms(tab, session):
     tab.wait(lambda: tab.downloads, "the file")
     ((_, content),) = tab.downloads
     assert load_design(content).jump == session.design.jump
-
-
-def test_a_word_that_is_no_choice_changes_nothing(tab, session):
-    before = session.design
-    tab.set("Arms", "Crossed")
-    tab.wait(
-        lambda: "Arms: expected one of Free, Held, got 'Crossed'" in str(tab.notifications),
-        "the complaint",
-    )
-    assert session.design is before

@@ -356,13 +356,3 @@ def test_a_chart_is_dragged_onto_another_one(page):
     page.wait_for_function("b => b.draggable", arg=button.element_handle())
     button.drag_to(page.locator(".u-over").first)
     drawn(page, [f"{first[:-4]} · CoM position [° or m]", second, both])
-
-
-def test_the_cursor_costs_next_to_nothing(page):
-    drawn(page, OVERVIEW_CHARTS)
-    each = page.evaluate(
-        """() => { const start = performance.now();
-        for (let i = 0; i < 500; i++) llsrbm.plots.show(i / 500);
-        return (performance.now() - start) / 500 }"""
-    )
-    assert each < 1.0, "ms; 0.05 on two cores with nothing else to do"
