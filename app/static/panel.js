@@ -41,6 +41,10 @@
     [data-dock-region] ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport {
       flex: 1 1 0; min-height: 0; max-height: none !important; }
 
+    /* What is in a tab is as wide as the tab. */
+    ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport > div {
+      display: block !important; overflow-x: clip; }
+
     /* A folder: a line with its title, which is a button (accessibility.js), and what it holds. */
     ${FOLDER} { border-width: 1px 0 0; border-radius: 0; margin: 0 0 4px !important; }
     ${FOLDER} > .mantine-Paper-root { position: static; transform: none; padding: 3px 0;
