@@ -41,7 +41,7 @@
     [data-dock-region] ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport {
       flex: 1 1 0; min-height: 0; max-height: none !important; }
 
-    /* What is in a tab is as wide as the tab. */
+    /* A tab has no scroll bar to the side. */
     ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport > div {
       display: block !important; overflow-x: clip; }
 
