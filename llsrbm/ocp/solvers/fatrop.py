@@ -174,5 +174,5 @@ def _no_number_beyond(rows: ca.MX, within: float) -> ca.MX:
 
 def _rows_within(rows: ca.Function, within: float) -> ca.Function:
     x, p = (ca.MX.sym(rows.name_in(i), rows.sparsity_in(i)) for i in range(2))
-    tamed = _no_number_beyond(rows(x, p), within)
-    return ca.Function(rows.name(), [x, p], [tamed], rows.name_in(), rows.name_out())
+    compressed = _no_number_beyond(rows(x, p), within)
+    return ca.Function(rows.name(), [x, p], [compressed], rows.name_in(), rows.name_out())

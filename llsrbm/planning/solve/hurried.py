@@ -20,9 +20,9 @@ from llsrbm.planning.solve.nearest import (
     AGAIN,
     ElasticFormulation,
     Nearest,
-    as_it_is,
-    as_request,
-    placed,
+    attempt_at_request,
+    plain_attempt,
+    retargeted,
     stands,
     starts,
 )
@@ -45,7 +45,7 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
     checked and solved again.
     """
-    minded = placed(task, jump)
+    minded = retargeted(task, jump)
     for _ in range(MINDED_TURNING if jump.turns else 1):
         minded = formulation.with_bounds_of_start(minded, solution)
     return replace(
@@ -56,7 +56,7 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
     )
 
 
-def find_roughly(
+def first_feasible(
     formulation: ElasticFormulation, task: Task, begun: tuple[Jump, Array], watch: Watch
 ) -> Nearest | None:
     """A jump near a task's, often the request itself; None: none was found in a hurry.
@@ -82,7 +82,7 @@ def find_roughly(
 
 def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) -> Nearest | None:
     for _ in range(TRIES):
-        for plain in (as_request(way, elastic), as_it_is(way, elastic)):
+        for plain in (attempt_at_request(way, elastic), plain_attempt(way, elastic)):
             if plain.solved and stands(plain.task):
                 return Nearest(plain, elastic, way)
         elastic = way.solve(

@@ -97,8 +97,8 @@ class ElasticFormulation(Formulation):
 
     def judged(self, task: Task, solution: Solution) -> Attempt:
         """The motion of a solution, checked as one of the jump that it does."""
-        reached = placed(task, self.done(task, solution.variables))
-        plain = replace(solution, **vars(self.plainly(task, solution)))
+        reached = retargeted(task, self.done(task, solution.variables))
+        plain = replace(solution, **vars(self.to_plain(task, solution)))
         return replace(self.plain.judged(reached, plain), solution=solution)
 
     def again(
@@ -114,7 +114,7 @@ class ElasticFormulation(Formulation):
         reached = numbers["asked"] - numbers["scale"] * given_up
         return replace(task.jump, **dict(zip(COMPONENTS, reached.tolist(), strict=True)))
 
-    def embedded(self, task: Task, variables: Array, jump: Jump) -> Array:
+    def to_elastic(self, task: Task, variables: Array, jump: Jump) -> Array:
         """All variables, from those of a plain problem with a jump that does less than asked."""
         numbers = elastic_parameters(self._layout, task)
         reached = np.array([getattr(jump, name) for name in COMPONENTS])
@@ -125,7 +125,7 @@ class ElasticFormulation(Formulation):
         out[self._given_up] = np.clip(given_up, 0.0, most(self._layout, task))
         return out
 
-    def plainly(self, task: Task, solution: Iterate) -> Iterate:
+    def to_plain(self, task: Task, solution: Iterate) -> Iterate:
         """Variables and multipliers of the plain problem."""
         rows = rows_within(self.plain.layout, self.layout, task)
         return Iterate(solution.variables[self._variables], solution.multipliers[rows])
@@ -195,19 +195,19 @@ def find_nearest(
         elastic = _from_other_end(way, task, elastic, watch)
     first = None
     if not _given_up(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
-        first = _made_round(way, elastic, watch)
+        first = _in_whole_steps(way, elastic, watch)
         if first is not None and first.task.jump == task.jump:
             return Nearest(first, elastic, way)
     found = [] if first is None else [Nearest(first, elastic, way)]
     for dearer, attempt in reversed([*_dearer(way, elastic, watch)]):
         reconciled = dearer.reconciled(attempt, watch)
-        plain = _made_round(dearer, reconciled, watch)
+        plain = _in_whole_steps(dearer, reconciled, watch)
         if plain is not None:
             found.append(Nearest(plain, reconciled, dearer))
             break
     if not found:
         # Edges come and go with the jump; the first solution met those that it knew.
-        plain = _made_round(way, elastic, watch)
+        plain = _in_whole_steps(way, elastic, watch)
         found = [] if plain is None else [Nearest(plain, elastic, way)]
     return min(found, key=lambda each: distance(task, each.plain.task.jump), default=None)
 
@@ -221,7 +221,7 @@ def _from_other_end(way: ElasticFormulation, task: Task, elastic: Attempt, watch
     }
     without: dict[str, Any] = {max(missing, key=missing.__getitem__): 0.0}
     less = replace(task.jump, **without)
-    guess = way.embedded(task, way.plain.guess(placed(task, less)), less)
+    guess = way.to_elastic(task, way.plain.guess(retargeted(task, less)), less)
     other = way.solve(task, guess, watch, FIRST)
     return min((elastic, other), key=lambda each: (not each.converged, each.solution.cost))
 
@@ -250,46 +250,48 @@ def starts(
     """Variables, options and penalty of one start after another."""
     if begun is not None:
         jump, variables = begun
-        yield formulation.embedded(task, variables, jump), BEGUN, PENALTIES[0]
+        yield formulation.to_elastic(task, variables, jump), BEGUN, PENALTIES[0]
     less = scaled(task.jump, GUESSED)
-    guess = formulation.embedded(task, formulation.plain.guess(placed(task, less)), less)
+    guess = formulation.to_elastic(task, formulation.plain.guess(retargeted(task, less)), less)
     for penalty in (PENALTIES[0], EASY):
         yield guess, FIRST, penalty
 
 
-def _made_round(formulation: ElasticFormulation, elastic: Attempt, watch: Watch) -> Attempt | None:
+def _in_whole_steps(
+    formulation: ElasticFormulation, elastic: Attempt, watch: Watch
+) -> Attempt | None:
     """The plain problem's solution: of whole steps, or else just as it is.
 
     Of some steps less where the whole body objects to it as it is.
     """
-    plain, whole = formulation.plain, as_request(formulation, elastic)
+    plain, whole = formulation.plain, attempt_at_request(formulation, elastic)
     if whole.task.jump == elastic.task.wanted and whole.solved and stands(whole.task):
         return whole
-    start = formulation.plainly(elastic.task, elastic.solution)
+    start = formulation.to_plain(elastic.task, elastic.solution)
     minded = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
     further = FURTHER[: 1 if all_right else None]
     for jump in _rounded(elastic.task, further) if elastic.converged else ():
-        task = replace(placed(minded, jump), wanted=None)
+        task = replace(retargeted(minded, jump), wanted=None)
         attempt = plain.reconciled(plain.again(task, start, watch), watch)
         if attempt.solved and stands(attempt.task):
             return attempt
-    return as_it_is(formulation, elastic) if all_right else None
+    return plain_attempt(formulation, elastic) if all_right else None
 
 
-def as_it_is(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
+def plain_attempt(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     """The plain problem's solution that an elastic one holds."""
-    plain = vars(formulation.plainly(elastic.task, elastic.solution))
+    plain = vars(formulation.to_plain(elastic.task, elastic.solution))
     task, solution = replace(elastic.task, wanted=None), replace(elastic.solution, **plain)
     return replace(elastic, task=task, solution=solution)
 
 
-def as_request(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
+def attempt_at_request(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     """An elastic solution as one of what was asked: it is that where nothing is given up."""
-    wanted, plain = elastic.task.wanted, as_it_is(formulation, elastic)
+    wanted, plain = elastic.task.wanted, plain_attempt(formulation, elastic)
     if wanted is None or _given_up(elastic):
         return plain
-    task = replace(placed(elastic.task, wanted), wanted=None)
+    task = replace(retargeted(elastic.task, wanted), wanted=None)
     return formulation.plain.judged(task, plain.solution)
 
 
@@ -339,7 +341,7 @@ def _rounded(task: Task, furthers: Iterable[float]) -> Iterator[Jump]:
         yield replace(wanted, **steps)
 
 
-def placed(task: Task, jump: Jump) -> Task:
+def retargeted(task: Task, jump: Jump) -> Task:
     """The task of another jump, under the same limits; what it was asked for is kept."""
     return replace(
         place_task(jump, task.robot, task.tuning),

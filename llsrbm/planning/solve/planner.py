@@ -30,7 +30,7 @@ from llsrbm.planning.solve.formulation import (
     solve_options,
 )
 from llsrbm.planning.solve.guess_table import Guesses
-from llsrbm.planning.solve.hurried import find_roughly, with_bounds_nearby
+from llsrbm.planning.solve.hurried import first_feasible, with_bounds_nearby
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
 from llsrbm.planning.solve.progress import Progress, Watch
@@ -201,7 +201,7 @@ class Planner:
         if not looks:
             return tried, None
         watch.begin("looking for the nearest jump that can be planned")
-        find = find_roughly if hurried else find_nearest
+        find = first_feasible if hurried else find_nearest
         begun = task.jump, tried[-1].solution.variables
         return tried, find(self._elastic(task, watch), task, watch=watch, begun=begun)
 
@@ -220,7 +220,7 @@ class Planner:
             tried = [attempt]
         watch.begin("looking for the nearest jump that can be planned")
         begun = near.jump, start.variables
-        found = find_roughly(self._elastic(task, watch), minded, begun, watch)
+        found = first_feasible(self._elastic(task, watch), minded, begun, watch)
         if found is None and not tried:  # a refusal says where the request stopped
             tried = [form.follow(minded, start, watch)]
         return tried, found

@@ -165,7 +165,7 @@ def test_the_nearest_that_was_found_first_is_not_dropped_for_a_further_one(monke
     monkeypatch.setattr(nearest, "replace", lambda *_, **__: way)
     monkeypatch.setattr(nearest, "starts", lambda *_: [(None, None, 1.0)])
     monkeypatch.setattr(nearest, "_given_up", lambda *_: False)
-    monkeypatch.setattr(nearest, "_made_round", lambda *_: next(rounds))
+    monkeypatch.setattr(nearest, "_in_whole_steps", lambda *_: next(rounds))
     monkeypatch.setattr(nearest, "_dearer", lambda *_: [(way, attempt_of(*LITTLE))])
     assert nearest.find_nearest(way, task, Watch()).plain.task.jump == little
 

@@ -10,7 +10,7 @@ import llsrbm
 from llsrbm.errors import NotConverged
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve.hurried import find_roughly, with_bounds_nearby
+from llsrbm.planning.solve.hurried import first_feasible, with_bounds_nearby
 from llsrbm.planning.solve.nearest import distance
 from llsrbm.planning.solve.planner import planner_for
 from llsrbm.planning.solve.progress import Watch
@@ -74,7 +74,7 @@ def test_where_nothing_is_given_up_the_solution_is_the_plan():
     near = planner.plan(replace(START, twist=1.1))
     jump = replace(START, twist=1.2)
     task = make_task(jump, ANYMAL)
-    found = find_roughly(
+    found = first_feasible(
         planner._elastic(task, Watch()), task, (near.jump, near.solution.variables), Watch()
     )
     assert found.plain.task.jump == jump
