@@ -1,7 +1,8 @@
-"""The computing processes, a thread each, and the heirs of those that hold too much memory.
+"""The computing processes, a thread each, and the successors of those that hold too much memory.
 
-A process that says that it is heavy gets an heir: there is one process more than places for that.
-It starts beside the other, loads what was used last, and takes its place when that has no job.
+A process that says that it is heavy gets a successor, for which there is one process more than
+places: it starts beside the other, loads what was used last, and takes its place when that has no
+job.
 """
 
 from __future__ import annotations
@@ -80,21 +81,21 @@ class Crew:
                 self.start_thread(partial(self._run, member), f"worker-pool-{number}")
 
     def renew(self) -> None:
-        """Have a heavy process' place taken by its heir, once that has loaded the same."""
+        """Have a heavy process' place taken by its successor, once that has loaded the same."""
         heavy = next((m for m in self.members if m.heavy and not m.ending), None)
         if heavy is None:
             return
-        heir = next(member for member in self.members if member.spare)
-        if not (heir.may_start or heir.running):
-            heir.reserved, heir.may_start = heavy.reserved, True
-            heir.todo = heavy.used_last
-        elif heir.idle and not heir.todo and heavy.idle:
-            heir.spare = False
+        successor = next(member for member in self.members if member.spare)
+        if not (successor.may_start or successor.running):
+            successor.reserved, successor.may_start = heavy.reserved, True
+            successor.todo = heavy.used_last
+        elif successor.idle and not successor.todo and heavy.idle:
+            successor.spare = False
             heavy.spare, heavy.heavy, heavy.may_start = True, False, False
             heavy.kill()
 
     def retire(self, member: Member) -> None:
-        """A spare process has gone: an heir that has failed, or the one whose place it took."""
+        """A spare process has gone: a successor that has failed, or the one whose place it took."""
         member.may_start = False
         member.todo.clear()
         member.loaded.clear()
