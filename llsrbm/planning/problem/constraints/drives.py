@@ -44,8 +44,9 @@ TORQUE_ALLOWANCE = 0.10
 SPEED_ALLOWANCE = 0.03
 # As a body that has flipped touches down, its hips come down on nearly straight legs: in
 # simulations knees reach 2.5 times their limit for some 20 ms after every flip. Plans within the
-# limit are not found off boxes, and hide in a long first interval what they cannot stop. So knees
-# may be overrun over the first interval, up to so many times their limit.
+# limit are not found off boxes, and hide in a long first interval what they cannot stop. So rows
+# of joints' speeds bound them no closer than this over the first interval. Those of the torque at
+# speed do: a drive that brakes with all it has may turn 1.3 times as fast as its limit, no more.
 OVERRUN = 3.0
 # At lift-off and touchdown, where joints are fastest and only for an instant, plans may use all of
 # a file's share of 0.9, and the check allows less.
@@ -154,7 +155,10 @@ class TorqueAtSpeed(JointTorque):
 
 
 class JointSpeed(DriveConstraint):
-    """|q'| <= share q'_max, where joints are fast: in flight and right beside it."""
+    """|q'| <= share q'_max, where joints are fast: in flight and right beside it.
+
+    The check is of all intervals: legs of standing feet are slow, and have no rows for it.
+    """
 
     name = "joint_speed"
     unit = "rad/s"
@@ -178,7 +182,7 @@ class JointSpeed(DriveConstraint):
         return role.moves_feet and not role.terminal and not role.initial
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Wider where knees may be overrun."""
+        """Wider where joints may be overrun."""
         lower, upper = super().bounds(task, layout, knot)
         if not _overruns(task, layout.roles[knot]):
             return lower, upper
@@ -205,7 +209,7 @@ class JointSpeed(DriveConstraint):
         return allowance
 
     def checked_shares(self, knots: Knots) -> Array:
-        """Where knees may be overrun, of what they may be overrun to."""
+        """Where joints may be overrun, of what they may be overrun to."""
         shares, task = _speed_shares(knots), knots.task
         for interval, role in enumerate(knots.layout.roles[: len(shares)]):
             if _overruns(task, role):
@@ -263,7 +267,7 @@ def _speed_shares(knots: Knots) -> Array:
 
 
 def _overruns(task: Task, role: Role) -> bool:
-    """Whether knees may be overrun over the interval: the first one after a flip."""
+    """Whether joints may be overrun over the interval: the first one after a flip."""
     return bool(role.lands_upright and role.landing and task.jump.pitch)
 
 
