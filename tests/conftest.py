@@ -14,6 +14,9 @@ from hypothesis import settings
 # of compiled functions say so themselves.
 os.environ["LLSRBM_COMPILE"] = "0"
 
+# MB of solvers that a process of tests keeps: all that it needs, once each.
+SOLVERS = 6000.0
+
 # A busy machine is no fault.
 settings.register_profile("patient", deadline=None, max_examples=50)
 settings.load_profile("patient")
@@ -32,6 +35,9 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    from llsrbm.planning.solve import kept
+
+    kept.MOST = SOLVERS
     if config.getoption("record_durations"):
         config.pluginmanager.register(Recorder(), "durations")
 

@@ -138,7 +138,8 @@ def test_with_the_real_planner(browser, tmp_path):
         text = status(page, "Feasible", timeout=90_000)
         session = designer.sessions[-1]
         assert re.match(
-            r"Feasible\s+Flight\s+0\.\d+ s\s+Apex\s+\+\d+ cm\s+Peak torque\s+\d+ %", text
+            r"Feasible\s+Flight time\s+0\.\d+ s\s+Apex\s+\d+\.\d cm\s+Planned torque\s+\d+ %",
+            text,
         )
         fill(page, "Twist [deg]", 45)
         fill(page, "Forward [m]", 0.3)

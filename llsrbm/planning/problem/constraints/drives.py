@@ -45,9 +45,10 @@ SPEED_ALLOWANCE = 0.03
 # As a body that has flipped touches down, its hips come down on nearly straight legs: in
 # simulations knees reach 2.5 times their limit for some 20 ms after every flip. Plans within the
 # limit are not found off boxes, and hide in a long first interval what they cannot stop. So rows
-# of joints' speeds bound them no closer than this over the first interval. Those of the torque at
+# of knees' speeds bound them no closer than this over the first interval. Those of the torque at
 # speed do: a drive that brakes with all it has may turn 1.3 times as fast as its limit, no more.
 OVERRUN = 3.0
+KNEE = -1  # of a leg's joints, in the legs of robots that turn over: the last
 # At lift-off and touchdown, where joints are fastest and only for an instant, plans may use all of
 # a file's share of 0.9, and the check allows less.
 AT_EDGES = 1 / 0.9
@@ -182,12 +183,14 @@ class JointSpeed(DriveConstraint):
         return role.moves_feet and not role.terminal and not role.initial
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
-        """Wider where joints may be overrun."""
+        """Wider where knees may be overrun."""
         lower, upper = super().bounds(task, layout, knot)
         if not _overruns(task, layout.roles[knot]):
             return lower, upper
-        top = np.full_like(upper, tamed(OVERRUN, np.sqrt))
-        return -top, top
+        legs, beside = task.robot.leg_joint_index, list(layout.roles[knot].at_edge)
+        joints = np.concatenate([legs.ravel(), legs[beside].ravel(), task.free_arms])
+        knees, top = np.isin(joints, legs[:, KNEE]), tamed(OVERRUN, np.sqrt)
+        return np.where(knees, -top, lower), np.where(knees, top, upper)
 
     def shares(self, stage: Stage) -> Any:
         """Speeds as shares of their limits."""
@@ -209,11 +212,12 @@ class JointSpeed(DriveConstraint):
         return allowance
 
     def checked_shares(self, knots: Knots) -> Array:
-        """Where joints may be overrun, of what they may be overrun to."""
+        """Where knees may be overrun, of what they may be overrun to."""
         shares, task = _speed_shares(knots), knots.task
+        knees = task.robot.leg_joint_index[:, KNEE]
         for interval, role in enumerate(knots.layout.roles[: len(shares)]):
             if _overruns(task, role):
-                shares[interval] *= task.limits.speed_share / OVERRUN
+                shares[interval][:, knees] *= task.limits.speed_share / OVERRUN
         return shares
 
     def share_of(self, knots: Knots) -> Array:
@@ -267,7 +271,7 @@ def _speed_shares(knots: Knots) -> Array:
 
 
 def _overruns(task: Task, role: Role) -> bool:
-    """Whether joints may be overrun over the interval: the first one after a flip."""
+    """Whether knees may be overrun over the interval: the first one after a flip."""
     return bool(role.lands_upright and role.landing and task.jump.pitch)
 
 
