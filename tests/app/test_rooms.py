@@ -7,7 +7,7 @@ from pathlib import Path
 import grimp
 
 ROOT = Path(__file__).parents[2]
-TESTS = [ROOT / "tests" / "app" / folder for folder in ("", "guard")]
+TESTS = [ROOT / "tests" / "app" / folder for folder in ("", "guard", "workers")]
 
 
 def test_no_module_imports_itself_by_way_of_others():

@@ -82,8 +82,8 @@ def test_a_process_that_holds_too_much_is_succeeded_by_one_that_has_loaded_the_s
             tab.plan()
             assert isinstance(tab.outcome(), Planned)
             used += pool.process_ids
-            wait_until(lambda last=used[-1]: pool.process_ids != (last,), "a successor", 20)
-        wait_until(lambda: not any(map(alive, used)), "the end of the heavy ones", 10)
+            wait_until(lambda last=used[-1]: pool.process_ids != (last,), "a successor", 60)
+        wait_until(lambda: not any(map(alive, used)), "the end of the heavy ones", 60)
         planned = [int(line.split()[0]) for line in log.read_text().splitlines()]
     # The first works for the tab alone, each other one loads before.
     assert planned == [used[0], *(process for process in used[1:] for _ in range(2)), planned[-1]]

@@ -38,6 +38,6 @@ def test_options_and_result(tmp_path, capsys, monkeypatch):
     command = ["dataset", str(tmp_path), "--format", "csv", "--out", str(tmp_path), *options]
     assert main(command) == console.DONE
     told = capsys.readouterr()
-    assert "motions   2, of them 1 computed now" in told.out
+    assert "motions  2, of them 1 computed now" in told.out
     assert "1 rows are not strict when computed again, and are left out: 7" in told.err
     assert asked == {"name": "csv", "robot": "go2", "source": "plan", "limit": 2, "fps": 25.0}

@@ -14,7 +14,7 @@ from llsrbm.simulation import replanning
 from llsrbm.simulation.checks import check_scenario
 from llsrbm.simulation.replanning import LATENCY, LATENCY_FEW_LEGS, PERIOD, latency_of
 from llsrbm.simulation.simulate import simulate
-from tests.llsrbm.formats.jumps import planned
+from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
 TICK = 1 / ROBOT.file.control.rate
@@ -39,7 +39,7 @@ def takes(monkeypatch):
 
 
 def plan():
-    return planned("anymal")
+    return solved("llsrbm-plus", "twist").plan
 
 
 def middle():

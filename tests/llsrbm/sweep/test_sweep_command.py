@@ -27,7 +27,7 @@ def test_a_table_and_a_summary(sweep, tmp_path, capfd):
     told = capfd.readouterr()
     assert "40 jumps, 40 rows; expected" in told.err
     assert "dashboard: http://" in told.err
-    assert "anymal    20 rows: 16 planned, 4 not planned" in told.out
+    assert "anymal   20 rows: 16 planned, 4 not planned" in told.out
     assert len(pq.read_table(tmp_path / "out" / "jumps.parquet")) == 40
 
 

@@ -20,7 +20,8 @@ class Page:
     def __init__(self):
         self.shown = []
 
-    def tint(self, tracks):
+    def call(self, name, tracks):
+        assert name == "tint.show"
         self.shown.append(tracks)
 
 
