@@ -10,6 +10,8 @@ import threading
 import pytest
 
 from app.designer import Designer
+from llsrbm.look.visuals import link_visuals
+from llsrbm.robots import load_robot
 from tests.app.chromium import dark, picture, status, visitor
 from tests.app.planners import SyntheticPlanner
 from tests.app.waits import wait_until
@@ -55,7 +57,8 @@ def other_site():
 
 @pytest.fixture(scope="module")
 def page(browser, designer):
-    """A visitor's, who opened the address that was printed."""
+    """A visitor's, who opened the address that was printed; with meshes from the start."""
+    link_visuals(load_robot("anymal"), coarse=True)
     context = visitor(browser)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     page = context.new_page()

@@ -13,6 +13,7 @@ from app.picture import robot_nodes
 from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.picture import Ghost, Picture
 from app.picture.scene import Scene
+from llsrbm.look.visuals import link_visuals
 from llsrbm.robots import load_robot
 from tests.app.picture.pictures import picture, planned
 from tests.app.picture.recorded import RecordedClient, names_in, track_of
@@ -143,6 +144,7 @@ def test_night_changes_light_and_floor_only():
 
 
 def test_only_a_graphics_processor_casts_shadows():
+    link_visuals(load_robot("anymal"), coarse=True)  # until then there are stand-ins
     drawn = Drawn(picture())
     assert not drawn.nodes["/lamps/key"].cast_shadow
     assert drawn.nodes["/ground"].shadow_opacity == 0
