@@ -57,8 +57,9 @@ def plan_of(name: str, folder: Path) -> llsrbm.Plan:
 def figures(name: str, folder: Path, tier: str, disturbed: bool, seed: int) -> dict[str, Any]:
     """Figures of one play."""
     plan = plan_of(name, folder)
-    drawn = draw_disturbance(llsrbm.Scenario(seed=seed)) if disturbed else Disturbance()
-    played = play(plan, load_robot(plan.jump.robot), tier, seed, disturbance=drawn)
+    robot = load_robot(plan.jump.robot)
+    drawn = draw_disturbance(robot, llsrbm.Scenario(seed=seed)) if disturbed else Disturbance()
+    played = play(plan, robot, tier, seed, disturbance=drawn)
     row: dict[str, Any] = {"jump": name, "tier": tier, "seed": seed, "line": played.ended.line}
     if played.rollout is None:
         return {**row, "status": "fell", "strict": False, "reason": "stopped before its jump"}

@@ -6,13 +6,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.robots.drives import friction_torque
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 
 def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
-    """M a + h, (K, nv) N, Nm, of states and accelerations in Pinocchio's convention."""
+    """M a + h, rotors in M, (K, nv) N, Nm, of states and accelerations in Pinocchio's convention."""
     data = model.createData()
     found = np.empty((len(q), model.nv))
     for k in range(len(q)):
@@ -21,7 +22,7 @@ def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
 
 
 def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
-    """Force and moment on the base's origin (base axes) and joint torques, (K, 6 + J) N, Nm.
+    """Force and moment on the base's origin (base axes) and drives' torques, (K, 6 + J) N, Nm.
 
     The first six are zero where the motion is possible.
 
@@ -32,6 +33,7 @@ def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
     """
     model, data = robot.model, robot.model.createData()
     found = inverse_dynamics(model, q, v, a)
+    found[:, 6:] += friction_torque(robot, v[:, 6:])
     pushes = force.reshape(len(q), len(robot.legs), -1, 3)
     for k in range(len(q)):
         pin.computeJointJacobians(model, data, q[k])

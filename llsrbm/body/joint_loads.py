@@ -8,9 +8,9 @@ Nothing of the planner's models enters.
   length. So they belong to its middle, and no difference is taken across lift-off or touchdown.
 - Torques in the middle of an interval are inverse dynamics of the floating base,
 
-      tau = M(q) a + h(q, v) - J^T f,
+      tau = M(q) a + h(q, v) - J^T f + the drives' friction,
 
-  with the plan's contact forces. The base's linear acceleration is that with which the CoM
+  with rotors in M, and the plan's contact forces. The base's linear acceleration is that with which the CoM
   accelerates as planned. The six rows of the base have no drive: their remainder is by how much
   the plan's centroidal dynamics are not those of the whole body.
 """
@@ -29,7 +29,7 @@ from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
 from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives import friction_torque, torque_in_direction
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -142,7 +142,7 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     effort -= _contact_effort(
         robot, position, _rows(R_base_world, arm), _rows(R_base_world, motion.contact_force[:-1])
     )
-    torque = effort[:, _BASE:]
+    torque = effort[:, _BASE:] + friction_torque(robot, velocity)
     edge_velocity = _edge_velocity(robot, motion.standing, knot_velocity)
     return JointLoads(
         time=(motion.time[1:] + motion.time[:-1]) / 2,

@@ -21,6 +21,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, pinocchio_states
 from llsrbm.robots import Robot, load_robot
+from llsrbm.robots.drives import friction_torque
 
 Array = NDArray[np.float64]
 Motion = Plan | Rollout | WholeBodyMotion
@@ -119,10 +120,10 @@ class SampledMotion:
 
     @cached_property
     def torque(self) -> Array | None:
-        """(K, J) Nm or N: recorded, or by inverse dynamics; None: not known."""
+        """(K, J) Nm or N of the drives: recorded, or by inverse dynamics; None: not known."""
         if self.recorded_torque is not None or self.effort is None:
             return self.recorded_torque
-        return self.effort[:, 6:]
+        return self.effort[:, 6:] + friction_torque(self.robot, self.joint_velocity)
 
 
 def _instants(knots: Array, *, both_sides: bool) -> Array:

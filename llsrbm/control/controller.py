@@ -24,7 +24,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives import friction_torque, torque_range
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ class WholeBodyController:
         # Not of barrel rolls: legs are most of their inertia, and the base turns as they do. A plan
         # that is made anew under way keeps these gains.
         self._take_off = TakeOff(plan, robot.mass, self._tick) if plan.jump.pitch else None
-        feet = FootForces(body, robot.leg_joint_index, self._tick)
+        feet = FootForces(robot, body, self._tick)
         self.contacts = ContactSchedule(plan, body, feet, self._tick)
         gains = settings.gains
         self._com = tasks.CentreOfMass(gains.com)
@@ -240,6 +240,7 @@ class WholeBodyController:
             torque_range(self._robot, body.v[6:]),
             self._joints.accelerations(body),
             self._links.rows(body),
+            friction_torque(self._robot, body.v[6:]),
         )
 
     def _weight_carried(self, feet: Feet) -> Array:

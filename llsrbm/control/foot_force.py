@@ -21,6 +21,8 @@ from scipy.linalg.lapack import dposv
 
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
+from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -39,15 +41,15 @@ AFTER_PUSH = 0.03
 class FootForces:
     """A leg's joint equations, solved for the force at its foot; known from the second `update` on.
 
-        J^T f = M_leg dv/dt + h_leg - tau_leg
+        J^T f = M_leg dv/dt + h_leg + friction - tau_leg
 
-    with the difference of two measured velocities for dv/dt. `legs`: (L, n) places of each leg's
-    joints; `tick`: s between updates; `vertical`: (L,) N, smoothed.
+    with the difference of two measured velocities for dv/dt. `tick`: s between updates; `vertical`:
+    (L,) N, smoothed.
     """
 
-    def __init__(self, body: WholeBody, legs: NDArray[np.int64], tick: float) -> None:
-        self._body, self._tick = body, tick
-        self._rows = legs + _BASE
+    def __init__(self, robot: Robot, body: WholeBody, tick: float) -> None:
+        self._robot, self._body, self._tick = robot, body, tick
+        self._rows = robot.leg_joint_index + _BASE
         # Each leg's own columns of the feet's Jacobians, (L, 3, n).
         self._columns = (
             np.arange(body.legs)[:, None, None],
@@ -79,7 +81,7 @@ class FootForces:
         if self._equations is not None:
             M, h, own, v = self._equations
             load = M @ (body.v - v) / self._tick + h
-            load[_BASE:] -= torque
+            load[_BASE:] += friction_torque(self._robot, (body.v + v)[_BASE:] / 2) - torque
             np.add(own @ own.transpose(0, 2, 1), _REGULARISATION, out=self._blocks)
             right = (own @ load[self._rows][..., None]).ravel()
             _, force, failed = dposv(self._system, right)

@@ -3,7 +3,7 @@
 min 1/2 |A a + dA v - B|^2_W1 + 1/2 |f - f_wanted|^2_W2    over a (n,), f (3 C,)
 s.t. M_f a + h_f = J_f^T f                     floating base
      |f_x|, |f_y| <= mu / sqrt(2) f_z          friction pyramid, inside the cone of mu
-     tau = M_a a + h_a - J_a^T f within the drives' limits
+     tau = M_a a + h_a - J_a^T f + friction within the drives' limits
      a of the joints within bounds and S a >= least of links that are near each other, as far as
      that leaves a solution: see `Qp`
 
@@ -87,9 +87,11 @@ class InverseDynamics:
         torque_limits: tuple[Array, Array],
         accelerations: tuple[Array, Array] | None = None,
         apart: tuple[Array, Array] | None = None,
+        friction: Array | float = 0.0,
     ) -> Command:
         """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
+        `friction`: (J,) Nm or N that the drives give beside what moves rotors and links;
         `accelerations`: lowest and highest of the joints, likewise, that stops and speeds allow;
         `apart`: S (k, J), least (k,) of `llsrbm.control.link_bounds.LinkBounds.rows`;
         `contact`: (C,) whether a point may push; `force`: (C, 3) N wanted; `force_weight`: 1/N2.
@@ -106,8 +108,9 @@ class InverseDynamics:
         torques = qp.C[self._joints]
         torques[:, :n] = M[_BASE:]
         np.negative(J[:, _BASE:].T, out=torques[:, n:])
-        np.subtract(torque_limits[0], h[_BASE:], out=qp.lower[self._joints])
-        np.subtract(torque_limits[1], h[_BASE:], out=qp.upper[self._joints])
+        resisting = h[_BASE:] + friction
+        np.subtract(torque_limits[0], resisting, out=qp.lower[self._joints])
+        np.subtract(torque_limits[1], resisting, out=qp.upper[self._joints])
         if accelerations is not None:
             qp.soft_lower[_BASE:n], qp.soft_upper[_BASE:n] = accelerations
         if apart is not None:
@@ -118,7 +121,7 @@ class InverseDynamics:
             return self._unsolved_command(torque_limits)
         forces = np.zeros((len(contact), 3))
         forces[pushing] = x[n:].reshape(-1, 3)
-        self._last = Command(torques.dot(x) + h[_BASE:], x[:n], forces, solved=True)
+        self._last = Command(torques.dot(x) + resisting, x[:n], forces, solved=True)
         self._unsolved = 0
         return self._last
 

@@ -96,7 +96,8 @@ class Arms:
     def numbers(self) -> dict[str, Any]:
         """Everything that was computed from the robot, for keys of caches."""
         limits = self.torque_limit.tolist(), self.speed_limit.tolist()
-        return {"links": [self._bodies.numbers(chain) for chain in self._chains], "limits": limits}
+        links = [self._bodies.numbers(chain) for chain in self._chains]
+        return {"links": links, "limits": limits, "losses": self._bodies.losses.numbers()}
 
     def carried(self, angles: Matrix, rates: Matrix, lift: Lift) -> Carried:
         """The links at joint angles and their rates, (A n, 1) rad, rad/s."""

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.models.drive_losses import DriveLosses
 from llsrbm.models.fitted_leg import FittedLeg
 from llsrbm.models.knee_leg import KneeLeg
 from llsrbm.models.leg_drives import LegDrives
@@ -40,10 +41,12 @@ class Drives:
     torque_limit: Array  # (L, n) Nm or N, rad/s or m/s
     speed_limit: Array  # (L, n) Nm or N, rad/s or m/s
     may_stop: NDArray[np.bool_]  # (L, n) see `near_stops`
-    # (L, n, n) joint-space inertia of each leg in the default posture. What swinging a leg takes is
+    # (L, n, n) joint-space inertia of each leg in the default posture, with rotors. What swinging a leg takes is
     # this times its joints' acceleration, within 6 % of the hip's torque limit on ANYmal's jumps
     # and 10 % of the abduction's: the legs' inertia changes with posture, and the base gives way.
     mass_matrix: Array
+    losses: DriveLosses
+    joints: NDArray[np.int64]  # (L, n) places of the legs' joints in `losses`
     # (L, n, 3) kg m, kg: the torques that carry the leg in the default posture, per specific force
     # on the base, base axes.
     weight: Array
@@ -62,13 +65,24 @@ class Drives:
             speed_limit=robot.speed_limit[index],
             may_stop=near_stops(robot),
             mass_matrix=np.array([joints[np.ix_(rows, rows)] for rows in index]),
+            losses=DriveLosses.of(robot),
+            joints=index,
             weight=robot.mass * motion.com_jacobian.transpose(0, 2, 1),
         )
 
     def numbers(self) -> dict[str, Any]:
         """Everything that was computed from the robot, for keys of caches."""
-        plain = {k: np.asarray(v).tolist() for k, v in vars(self).items() if k != "legs"}
-        return plain | {"legs": [leg.numbers() for leg in self.legs]}
+        others = ("legs", "losses")
+        plain = {k: np.asarray(v).tolist() for k, v in vars(self).items() if k not in others}
+        legs = [leg.numbers() for leg in self.legs]
+        return plain | {"legs": legs, "losses": self.losses.numbers()}
+
+    def effort(self, leg: int, rates: Any, accelerations: Any) -> Any:
+        """(n, 1) Nm or N that moving a leg takes of its drives, at joint rates and accelerations."""
+        resistance = (
+            self.losses.resistance(int(joint), rates[k]) for k, joint in enumerate(self.joints[leg])
+        )
+        return ca.mtimes(ca.DM(self.mass_matrix[leg]), accelerations) + ca.vertcat(*resistance)
 
 
 @lru_cache(maxsize=12)

@@ -15,6 +15,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.models.drive_losses import DriveLosses
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 
@@ -72,7 +73,7 @@ class Moving(NamedTuple):
 class Effort(NamedTuple):
     """Torques, and the force and moment that the base lacks; zero where the motion is possible."""
 
-    torque: Any  # (J,) Nm or N
+    torque: Any  # (J,) Nm or N, of the drives: they move their rotors and overcome friction as well
     force: Any  # (3,) N, base axes
     moment: Any  # (3,) Nm about the base's origin, base axes
 
@@ -96,6 +97,7 @@ class RigidBodies:
         self._corners = np.array(
             [[at.act(corner) for corner in robot.corners] for at in self._placed]
         )
+        self.losses = DriveLosses.of(robot)
 
     def feet(self, position: Any, velocity: Any, omega: Any, base_velocity: Any) -> list[Foot]:
         """The motion of all feet.
@@ -214,6 +216,8 @@ class RigidBodies:
             handed = ca.mtimes(turns[i], force[i])
             force[link.parent] += handed
             moment[link.parent] += ca.mtimes(turns[i], moment[i]) + cross(arms[i], handed)
+            own = self.losses.torque(link.joint, velocity[link.joint], acceleration[link.joint])
+            torque[link.joint] += own
         return Effort(ca.vertcat(*torque), force[BASE_JOINT], moment[BASE_JOINT])
 
     def chain(self, carrier: int) -> list[int]:

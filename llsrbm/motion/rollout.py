@@ -65,7 +65,9 @@ class Disturbance:
         trunk_mass_factor: of the simulated trunk, mass and inertia; the controller believes 1.
         friction: coefficient between feet and ground.
         contact_time: MuJoCo's time constant of a contact, s.
-        torque_delay_ticks: control ticks by which torques arrive late.
+        torque_delay_ticks: control ticks by which torques arrive late, beside the drives' delay.
+        armature_factor, joint_friction_factor: of the simulated drives' rotors and their friction
+            and damping; the controller believes 1.
         base_velocity_noise, joint_velocity_noise: standard deviations of what is measured, m/s and
             rad/s.
         random_push: the push that was drawn, if any.
@@ -75,6 +77,8 @@ class Disturbance:
     friction: float = 0.8
     contact_time: float = 0.006
     torque_delay_ticks: int = 0
+    armature_factor: float = 1.0
+    joint_friction_factor: float = 1.0
     base_velocity_noise: float = 0.0
     joint_velocity_noise: float = 0.0
     random_push: Push | None = None

@@ -135,7 +135,7 @@ def play_in(
                 raise Cancelled("the robot simulator was cancelled")
             progress(min(true.time / total, 1.0))
 
-    disturbance = replace(draw_disturbance(scenario), torque_delay_ticks=0)
+    disturbance = replace(draw_disturbance(robot, scenario), torque_delay_ticks=0)
     return play(
         *(plan, robot, tier, scenario.seed or 0),
         around=surroundings(robot, plan, scenario),

@@ -155,6 +155,13 @@ class Scenario:
             "of it",
         ),
     ] = None
+    drives: Annotated[
+        str,
+        Name(
+            "Drives that are simulated and controlled: true, with rotors, friction and delay as "
+            "the robot file has them, or ideal, without, to compare"
+        ),
+    ] = "true"
     pushes: Annotated[
         tuple[Push, ...],
         PushList(

@@ -23,6 +23,7 @@ from llsrbm.robots.urdf import (
     BASE_JOINT,
     check_drives,
     check_joints,
+    check_limits,
     check_moving,
     find_urdf,
     frame_id,
@@ -143,7 +144,9 @@ def build_robot(path: str | Path) -> Robot:
         base_position=posture[:3].copy(),
         load_fit=load_or_fit,
     )
-    check_drives(robot, where)
+    check_limits(robot, where)
+    check_drives(robot)
+    model.armature[BASE_JOINT + 5 :] = robot.armature
     if robot.foot_coordinates > 3:
         check_soles(robot)
         return robot

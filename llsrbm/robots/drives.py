@@ -1,7 +1,16 @@
-"""Torque that a robot's drives can give at a speed."""
+"""A robot's drives: the torque that they can give at a speed, and what of it friction takes.
+
+A drive's torque moves its rotor and its joint, against the drive's own friction:
+
+    tau = (M a + h - J^T f)_joint + I q'' + F tanh(q' / w) + D q',
+
+with the rotor's inertia I as the joint feels it (`Robot.armature`; Pinocchio's mass matrix and
+inverse dynamics have it), Coulomb friction F, smooth about zero speed, and damping D.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
@@ -10,12 +19,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.request.messages import look_up
+from llsrbm.robots.drives_schema import JointDrives, Losses
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 FULL_UP_TO = 0.7
 """Share of the speed limit up to which the whole torque is there; from there it falls to zero."""
+
+STILL = 0.01
+"""w as a share of the joint's speed limit: friction turns about within some 0.3 rad/s of rest."""
 
 _SLOWEST = 1e-6  # rad/s or m/s: no drive takes back anything at rest
 _ZERO = np.zeros(())  # an array: a float takes NumPy longer to look at than to compare
@@ -54,6 +68,13 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
     if power is None:
         return most
     return np.where(along < 0, np.minimum(most, _braking(power, speed)), most)
+
+
+def friction_torque(robot: Robot, speed: Array) -> Array:
+    """Torque (..., J), Nm or N, that friction and damping take at speeds (..., J)."""
+    friction, damping, per_width = _losses(robot)
+    taken: Array = friction * np.tanh(per_width * speed) + damping * speed
+    return taken
 
 
 def _braking(power: float, speed: Array) -> Array:
@@ -96,8 +117,38 @@ def with_drives(
         name = f"{robot.name}-torque-{torque:g}-speed-{speed:g}"
         file = file.model_copy(update={"name": name})
     other = replace(robot, file=file)
-    vars(other)["fit"] = robot.fit  # of the legs' masses and reach, which are the same
+    # What does not change with them: the legs' masses and reach, rotors and friction.
+    for name in ("fit", "armature", "friction", "damping"):
+        vars(other)[name] = getattr(robot, name)
     return other
+
+
+def driven(robot: Robot, drives: str) -> Robot:
+    """The robot with "true" drives, as its file has them, or "ideal" ones.
+
+    Raises `InputError`: another name.
+    """
+    kinds: dict[str, Callable[[Robot], Robot]] = {"true": lambda same: same, "ideal": ideal}
+    return look_up("drives", drives, kinds)(robot)
+
+
+@lru_cache(maxsize=16)
+def ideal(robot: Robot) -> Robot:
+    """The robot as if its drives had neither rotors nor friction nor delay, to compare."""
+    nothing: dict[str, Any] = dict.fromkeys(("armature", "friction", "damping"), 0.0)
+    known = robot.file.drives.known
+    drives = JointDrives(**nothing, delay=0.0, arms=Losses(**nothing if robot.arms else {}), known=known)
+    model = robot.model.copy()
+    model.armature[:] = 0.0
+    other = replace(robot, file=robot.file.model_copy(update={"drives": drives}), model=model)
+    vars(other)["fit"] = robot.fit
+    return other
+
+
+@lru_cache(maxsize=16)
+def _losses(robot: Robot) -> tuple[Array, Array, Array]:
+    """(J,) each: Coulomb friction, damping, and 1 / w."""
+    return robot.friction, robot.damping, 1.0 / (STILL * robot.speed_limit)
 
 
 @lru_cache(maxsize=16)

@@ -14,6 +14,12 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.robots.description import Description
+from llsrbm.robots.drives_schema import (
+    ARMATURE_PER_TORQUE,
+    DAMPING_PER_TORQUE,
+    DELAY,
+    FRICTION_PER_TORQUE,
+)
 from llsrbm.robots.leg_maps import LegFit
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import RobotFile
@@ -26,6 +32,7 @@ _NOT_OF_PLANS: Any = {
     **dict.fromkeys(("control", "uncertainty", "example", "link_pairs", "wire"), True),
     "turning": {"axes": True},
     "limits": {"regeneration": True},
+    "drives": {"delay", "known", "spread", "friction_range", "electrical"},
 }
 
 
@@ -86,7 +93,8 @@ class Robot:
         file: the robot file's content; path: where it lies.
         urdf_path: the URDF that the file names; urdf_source: what it says.
         urdf: the same with the file's held joints fixed and its frames added.
-        model: Pinocchio model with a free flyer at the root link. Do not change it.
+        model: Pinocchio model with a free flyer at the root link and the drives' rotors. Do not
+            change it.
         chains: the legs' kinematics, the base at rest.
         legs, arms: in the order of the file.
         joint_names: (J,) Pinocchio's order, without the root.
@@ -192,6 +200,43 @@ class Robot:
         return self._of_joints(self.file.limits.joint_speed, self.model.velocityLimit)
 
     @cached_property
+    def armature(self) -> Array:
+        """(J,) kg m2 or kg: the drives' rotors, as the joints feel them."""
+        return self._of_drives("armature", ARMATURE_PER_TORQUE * self.torque_limit)
+
+    @cached_property
+    def friction(self) -> Array:
+        """(J,) Nm or N: the drives' Coulomb friction."""
+        return self._of_drives("friction", FRICTION_PER_TORQUE * self.torque_limit)
+
+    @cached_property
+    def damping(self) -> Array:
+        """(J,) Nm s/rad or N s/m: the drives' viscous friction."""
+        most = DAMPING_PER_TORQUE * self.torque_limit
+        return self._of_drives("damping", most / self.speed_limit)
+
+    @property
+    def drive_delay(self) -> float:
+        """From a command until its torque acts, s."""
+        delay = self.file.drives.delay
+        return DELAY if delay is None else delay
+
+    def _of_drives(self, name: str, assumed: Array) -> Array:
+        """(J,) numbers of the file's [drives]; `assumed` where it has none."""
+        drives, found = self.file.drives, assumed.copy()
+        limbs = [(self.leg_joint_index, getattr(drives, name))]
+        if self.arms:
+            of_arms = self.arm_joint_index.reshape(len(self.arms), -1)
+            limbs.append((of_arms, getattr(drives.arms, name)))
+        for index, numbers in limbs:
+            if numbers is not None:
+                found[index] = numbers
+        for joint, own in drives.joints.items():
+            if (number := getattr(own, name)) is not None:
+                found[self.joint_names.index(joint)] = number
+        return found
+
+    @cached_property
     def joint_stops(self) -> Array:
         """(2, J) rad or m: the URDF's lower and upper ends, in the order of `joint_names`."""
         return np.array([self.model.lowerPositionLimit[7:], self.model.upperPositionLimit[7:]])
@@ -268,9 +313,15 @@ class Robot:
             "mirrors": self.mirrors.tolist(),
             "joint_names": list(self.joint_names),
             "sliding_joints": sorted(self.sliding_joints),
+            "armature": self.armature.tolist(),
+            "joint_friction": self.friction.tolist(),
+            "joint_damping": self.damping.tolist(),
         }
 
     def control_parameters(self) -> dict[str, Any]:
         """Numbers of the robot file that controller and drives alone have, as plain data."""
-        include: Any = {"control": True, "uncertainty": True, "limits": {"regeneration"}}
+        include: Any = {
+            **dict.fromkeys(("control", "uncertainty", "drives"), True),
+            "limits": {"regeneration"},
+        }
         return self.file.model_dump(mode="json", include=include)

@@ -26,6 +26,7 @@ from llsrbm.request.tables import (
     validated,
 )
 from llsrbm.robots.control_schema import Control, Uncertainty
+from llsrbm.robots.drives_schema import JointDrives
 from llsrbm.robots.wire_schema import Wire
 
 
@@ -293,6 +294,7 @@ class RobotFile(Table):
     foot: Foot = Foot()
     reach: Reach
     limits: Limits
+    drives: JointDrives = JointDrives()
     timing: Timing
     task: Task
     example: Example = Example()

@@ -97,7 +97,7 @@ def check_moving(robot: Description, model: pin.Model, where: str) -> None:
             raise RobotFileError(f"{where}: {shown} {fault}")
 
 
-def check_drives(robot: Robot, where: str) -> None:
+def check_limits(robot: Robot, where: str) -> None:
     """Raise `RobotFileError` unless every joint has a torque and a speed."""
     legs = {joint for leg in robot.legs for joint in leg.joints}
     for limit, key, values in (
@@ -111,6 +111,33 @@ def check_drives(robot: Robot, where: str) -> None:
                     f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0, '
                     f"or {other}"
                 )
+
+
+def check_drives(robot: Robot) -> None:
+    """Raise `RobotFileError` unless [drives] fits the joints of legs and arms."""
+    drives = robot.file.drives
+    for table, losses, limbs in (
+        ("drives", drives, robot.legs),
+        ("drives.arms", drives.arms, robot.arms),
+    ):
+        for name in ("armature", "friction", "damping"):
+            given = getattr(losses, name)
+            if given is not None and not limbs:
+                raise RobotFileError(
+                    f"{robot.path}: {table}.{name}: the robot has no arms; expected none"
+                )
+            if isinstance(given, tuple) and len(given) != len(limbs[0].joints):
+                raise RobotFileError(
+                    f"{robot.path}: {table}.{name}: expected one number, or "
+                    f"{len(limbs[0].joints)}, one a joint ({', '.join(limbs[0].joints)}), got "
+                    f"{len(given)}"
+                )
+    for joint in drives.joints:
+        if joint not in robot.joint_names:
+            raise RobotFileError(
+                f"{robot.path}: drives.joints.{joint}: no such joint; "
+                f"{choices(joint, robot.joint_names)}"
+            )
 
 
 def _impossible(body: pin.Inertia) -> str:

@@ -11,6 +11,8 @@ from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import DURATION, Push, Scenario
+from llsrbm.robots.drives_schema import JointDrives
+from llsrbm.robots.robot import Robot
 from llsrbm.simulation.episode import Hook, Situation
 
 # Spread of the robustness benchmark, at noise 1. What the controller believes about its own errors
@@ -18,6 +20,7 @@ from llsrbm.simulation.episode import Hook, Situation
 TRUNK_MASS = 0.08  # of the trunk's mass, either way: a payload, cables, a wrong URDF
 FRICTION = (0.5, 1.0)  # wet linoleum to rubber mat
 CONTACT_TIME = (0.003, 0.020)  # s, hard floor to soft mat
+# Of drives the robot's file says how far they may differ: `[drives] spread`, `friction_range`.
 DELAY_CHANCE = 0.5  # of one control tick
 BASE_VELOCITY_NOISE = 0.01  # m/s and rad/s
 JOINT_VELOCITY_NOISE = 0.02  # rad/s or m/s
@@ -27,21 +30,21 @@ LEAST_FRICTION = 0.2
 LEAST_CONTACT_TIME = 0.002  # s, four steps of the simulator
 
 
-def draw_disturbance(scenario: Scenario) -> Disturbance:
-    """The disturbance that goes with a scenario's seed, the same each time.
+def draw_disturbance(robot: Robot, scenario: Scenario) -> Disturbance:
+    """The disturbance of a robot that goes with a scenario's seed, the same each time.
 
     `noise` scales the distance from the nominal world, and the chance of a delay; `trunk_mass`
     counts as it is, with and without seed.
     """
     drawn = Disturbance()
     if scenario.seed is not None and scenario.noise is not None:
-        drawn = _drawn(scenario.seed, scenario.noise)
+        drawn = _drawn(robot.file.drives, scenario.seed, scenario.noise)
     if scenario.trunk_mass is None:
         return drawn
     return replace(drawn, trunk_mass_factor=1 + scenario.trunk_mass)
 
 
-def _drawn(seed: int, noise: float) -> Disturbance:
+def _drawn(drives: JointDrives, seed: int, noise: float) -> Disturbance:
     nominal = Disturbance()
     rng = np.random.default_rng(seed)
     # Every number is drawn whatever the noise, so that runs of one seed differ in scale alone.
@@ -49,6 +52,9 @@ def _drawn(seed: int, noise: float) -> Disturbance:
     friction = rng.uniform(*FRICTION)
     contact_time = rng.uniform(*CONTACT_TIME)
     delayed = rng.uniform() < DELAY_CHANCE * noise
+    rotors = rng.uniform(-drives.spread, drives.spread)
+    lowest, highest = drives.friction_range
+    losses = lowest * (highest / lowest) ** rng.uniform()  # half as much is as far as twice
     return Disturbance(
         trunk_mass_factor=1 + noise * mass,
         friction=max(LEAST_FRICTION, nominal.friction + noise * (friction - nominal.friction)),
@@ -56,6 +62,8 @@ def _drawn(seed: int, noise: float) -> Disturbance:
             LEAST_CONTACT_TIME, nominal.contact_time + noise * (contact_time - nominal.contact_time)
         ),
         torque_delay_ticks=int(delayed),
+        armature_factor=max(0.0, 1 + noise * rotors),
+        joint_friction_factor=losses**noise,
         base_velocity_noise=noise * BASE_VELOCITY_NOISE,
         joint_velocity_noise=noise * JOINT_VELOCITY_NOISE,
     )

@@ -76,7 +76,7 @@ def build_scene(
 ) -> Scene:
     """Compile the robot in its surroundings, with sensors; `timestep` in s.
 
-    Of the disturbance trunk mass, friction and contact time enter. Raises `RobotFileError`: the
+    Of the disturbance trunk mass, rotors, both frictions and contact time enter. Raises `RobotFileError`: the
     URDF lacks collision geometry, or MuJoCo refuses it.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
@@ -107,7 +107,7 @@ def scene_spec(
 
     Feet meet the world as spheres, everything else as the shapes of its link; shapes of links that
     can meet touch each other (`llsrbm.robots.link_shapes`).
-    Joints have neither armature nor damping, so that masses and accelerations are Pinocchio's.
+    Joints have the drives' rotors, Coulomb friction and damping, as the disturbance has them.
     `motors`: the joints in their order; None: that of `robot.joint_names`.
     """
     spec = _skeleton(robot)
@@ -128,7 +128,7 @@ def scene_spec(
     # Before compiling, or the compiler fuses the base with the world.
     root.add_freejoint()
     _set_inertias(spec, robot, disturbance.trunk_mass_factor)
-    _add_motors(spec, robot.joint_names if motors is None else motors)
+    _add_motors(spec, robot, disturbance, robot.joint_names if motors is None else motors)
     _add_feet(spec, robot, touch)
     _add_links(spec, robot, touch)
     return spec
@@ -269,11 +269,16 @@ def _add_surroundings(
         )
 
 
-def _add_motors(spec: mujoco.MjSpec, joints: Sequence[str]) -> None:
+def _add_motors(
+    spec: mujoco.MjSpec, robot: Robot, disturbance: Disturbance, joints: Sequence[str]
+) -> None:
+    losses = disturbance.joint_friction_factor
     for name in joints:
-        joint = spec.joint(name)
-        joint.armature = joint.frictionloss = 0.0
-        joint.damping = np.zeros_like(joint.damping)
+        joint, k = spec.joint(name), robot.joint_names.index(name)
+        joint.armature = disturbance.armature_factor * robot.armature[k]
+        joint.frictionloss = losses * robot.friction[k]
+        # The first of a polynomial's coefficients.
+        joint.damping = np.eye(len(joint.damping))[0] * losses * robot.damping[k]
         # The robot file's limits hold, not the URDF's; see `Drives`.
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)

@@ -19,6 +19,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import surroundings
 from llsrbm.ocp.progress import interruptible
 from llsrbm.request.scenario import Scenario
+from llsrbm.robots.drives import driven
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.disturbance import Pushes, draw_disturbance
@@ -143,7 +144,8 @@ def simulate(
             push outside of the simulated time.
         Cancelled: on request.
     """
-    disturbance = draw_disturbance(scenario)
+    robot = driven(robot, scenario.drives)
+    disturbance = draw_disturbance(robot, scenario)
     duration = plan.duration + braking_time(plan) + STANDING
     tick = 1.0 / robot.file.control.rate
     pushes = Pushes(plan, scenario, duration)

@@ -118,7 +118,7 @@ class Stage(StageFeet):
         drives = self.model.drives
         x, x_rate, x_acceleration = map(self.lift, (x, x_rate, x_acceleration))
         joints = drives.legs[leg].accelerations(x, x_rate, x_acceleration)
-        torque = ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints)
+        torque = drives.effort(leg, drives.legs[leg].rates(x, x_rate), joints)
         if self.role.in_contact:  # not falling freely: the leg has a weight
             torque += ca.mtimes(ca.DM(drives.weight[leg]), self._specific_force_base)
         if self.layout.turns:
@@ -151,7 +151,7 @@ class Stage(StageFeet):
         carried = -ca.DM(self.model.mirrors[leg]) * carried
         still = ca.SX.zeros(self.layout.foot_coordinates - 3)
         joints = drives.legs[leg].accelerations(x[:, leg], xdot[:, leg], ca.vertcat(carried, still))
-        return self._share(leg, torque + ca.mtimes(ca.DM(drives.mass_matrix[leg]), joints))
+        return self._share(leg, torque + drives.effort(leg, self.joint_rates[:, leg], joints))
 
     def _share(self, leg: int, torque: Any) -> Any:
         return self.lift(torque / ca.DM(self.model.drives.torque_limit[leg]))

@@ -17,6 +17,7 @@ from scipy.linalg import expm
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
+from llsrbm.robots.drives import friction_torque
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -77,7 +78,8 @@ class _About:
 
     def __init__(self, robot: Robot, q: Array, v: Array, torque: Array) -> None:
         self.robot, self._model, self._data = robot, robot.model, robot.model.createData()
-        self._q, self._v, self._torque = q, v, torque
+        # Friction takes its share as planned: states that are a little off hardly change it.
+        self._q, self._v, self._torque = q, v, torque - friction_torque(robot, v[:, 6:])
         nv = robot.model.nv
         self.width = np.repeat(list(WIDTHS.values()), [3, 3, nv - 6, 3, 3, nv - 6])
 

@@ -24,7 +24,7 @@ class Falling:
         self.v *= 0.2
         self.torque = self.rng.normal(size=12)
         self.body = WholeBody(self.robot)
-        self.estimate = FootForces(self.body, self.robot.leg_joint_index, TICK)
+        self.estimate = FootForces(self.robot, self.body, TICK)
 
     def step(self):
         measured = self.v + self.noise * self.rng.standard_normal(18)

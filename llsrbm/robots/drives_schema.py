@@ -1,0 +1,104 @@
+"""Table of a robot file for its drives: what a joint moves and loses beside the links."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from llsrbm.request.tables import Length, Positive, PositiveInterval, Table, fault
+
+Known = Literal["measured", "published", "assumed"]
+PerJoint = Length | Annotated[tuple[Length, ...], Field(min_length=1)]
+
+# What is taken of drives of which nothing is stated, of each Nm (N) of their largest torque. Rotors
+# behind their gears, of the robots here whose numbers are published: 1.2e-4 to 3.3e-4 s2; friction:
+# 0.4 to 0.9 %; damping is left at what takes 1 % of the torque at the drive's largest speed.
+ARMATURE_PER_TORQUE = 2e-4  # kg m2 per Nm, kg per N
+FRICTION_PER_TORQUE = 0.01
+DAMPING_PER_TORQUE = 0.01
+DELAY = 1e-3  # s from a command to its torque: a bus at 1 kHz
+
+
+class Losses(Table):
+    """Numbers of joints: one for all of them, or one each, a limb's from the base outwards.
+
+    Attributes:
+        armature: inertia of the rotor as the joint feels it, rotor times gear squared, kg m2; of a
+            sliding joint kg.
+        friction: Coulomb friction, Nm or N.
+        damping: viscous friction, Nm s/rad or N s/m.
+    """
+
+    armature: PerJoint | None = None
+    friction: PerJoint | None = None
+    damping: PerJoint | None = None
+
+
+class OneJoint(Table):
+    """Numbers of one joint, in place of its limb's."""
+
+    armature: Length | None = None
+    friction: Length | None = None
+    damping: Length | None = None
+
+
+class Sources(Table):
+    """How the numbers are known: measured on such a robot, published by others, or assumed."""
+
+    armature: Known = "assumed"
+    friction: Known = "assumed"
+    damping: Known = "assumed"
+    delay: Known = "assumed"
+
+
+class Electrical(Table):
+    """A drive's motor as its battery sees it, all joints alike or one number a leg's joint.
+
+    Attributes:
+        torque_constant: Nm at the joint per ampere; resistance: ohm of the winding, both as one
+            phase carries the current that makes the torque.
+        voltage: V of the battery; current: A, largest one that it gives.
+        heat: J, largest heat in a winding over one motion.
+    """
+
+    torque_constant: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+    resistance: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+    voltage: Positive | None = None
+    current: Positive | None = None
+    heat: Positive | None = None
+
+
+class JointDrives(Losses):
+    """The drives of a robot's joints.
+
+    What is left out is assumed: see the constants above. Numbers of all legs, or with a list of one
+    leg's joints.
+
+    Attributes:
+        delay: s from a command until its torque acts.
+        arms: of the arms' joints; without, what is assumed.
+        joints: joint name -> its own numbers, as `llsrbm identify` writes them.
+        known: where the numbers are from.
+        spread: share of the armature, either way, that differs from robot to robot.
+        friction_range: lowest and highest friction on a real robot, shares of the file's.
+        electrical: see there.
+    """
+
+    delay: Length | None = None
+    arms: Losses = Losses()
+    joints: dict[str, OneJoint] = Field(default_factory=dict)
+    known: Sources = Sources()
+    spread: Annotated[float, Field(ge=0, lt=1)] = 0.2
+    friction_range: PositiveInterval = (0.5, 2.0)
+    electrical: Electrical | None = None
+
+    @model_validator(mode="after")
+    def _known_as_stated(self) -> Self:
+        for name in ("armature", "friction", "damping", "delay"):
+            stated = getattr(self, name) is not None or any(
+                getattr(joint, name, None) is not None for joint in self.joints.values()
+            )
+            if not stated and getattr(self.known, name) != "assumed":
+                raise fault(f"known.{name}: expected {name} beside it, which is left out")
+        return self
