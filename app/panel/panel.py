@@ -30,7 +30,7 @@ from llsrbm.certificate import Certificate
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
-from llsrbm.robots import RobotFile
+from llsrbm.robots import Robot, RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
 _NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
@@ -77,6 +77,7 @@ class Panel:
             self.comparison = ComparisonControls(gui, put)
             self._rollout_figures = gui.add_html(html.note(_NO_SIMULATION))
             self._plan_figures = gui.add_html(html.note(_NO_PLAN))
+            self._drives = gui.add_html("")
             with gui.add_folder("Residuals", expand_by_default=False):
                 self._residuals = gui.add_html(html.note(_NO_RESIDUALS))
         with tabs.add_tab("Plots"):
@@ -109,6 +110,10 @@ class Panel:
             "main": uuid_of(self.buttons[Act.SIMULATE]),
             "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }
+
+    def show_robot(self, robot: Robot) -> None:
+        """The numbers of its drives, and how they are known."""
+        self._drives.content = summaries.drive_figures(robot)
 
     def show_status(self, status: Status) -> None:
         """The verdict, or the progress with a bar."""

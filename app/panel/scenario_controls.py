@@ -138,6 +138,12 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
         stays=True,
     ),
     Field(
+        "Ideal drives",
+        "Simulate and control drives without rotors, friction and delay, to compare",
+        get=lambda scenario: scenario.drives == "ideal",
+        put=lambda scenario, on: replace(scenario, drives="ideal" if on else "true"),
+    ),
+    Field(
         "Estimator",
         "State estimate the controller uses: "
         + "; ".join(f"{name}, {kind.summary}" for name, kind in ESTIMATORS.items()),

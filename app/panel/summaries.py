@@ -11,6 +11,7 @@ from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.wording import (
     InWords,
+    drive_rows,
     followed_plans,
     plan_rows,
     rollout_rows,
@@ -22,6 +23,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.solve_report import Violation
 from llsrbm.number_text import power
 from llsrbm.request.jump import Jump, changes
+from llsrbm.robots import Robot
 
 
 def plan_status(
@@ -128,6 +130,11 @@ def plan_figures(plan: Plan) -> str:
 def rollout_figures(rollout: Rollout) -> str:
     """The simulation's numbers."""
     return table(rollout_rows(rollout), "Simulation")
+
+
+def drive_figures(robot: Robot) -> str:
+    """The numbers of a robot's drives."""
+    return table(drive_rows(robot), f"Drives of {robot.file.title}")
 
 
 def residuals(violations: dict[str, Violation]) -> str:

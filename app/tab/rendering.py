@@ -126,6 +126,8 @@ class Rendering:
         busy = state.files.saving_note or state.files.opening_note
         panel.files.show(design, state.note, state.file_choice, busy)
         if robot is not None:
+            if self._changed("robot", robot):
+                panel.show_robot(robot)
             other_table = panel.tuning.show_robot(robot, design.jump.type)
             if self._changed("tuning", design.tuning) or other_table:
                 panel.tuning.show(design.tuning)

@@ -15,16 +15,22 @@ from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.number_text import decimal, degrees, percent, power, short
 from llsrbm.request.scenario import Push, Scenario
-from llsrbm.robots import load_robot
+from llsrbm.robots import Robot, load_robot
+from llsrbm.robots.known_drives import known_drives
 
 Row = tuple[str, str]
 """Title and value."""
 
+_LOSSES = (
+    ("armature", "Rotors", ("kg m²", "kg")),
+    ("friction", "Friction", ("Nm", "N")),
+    ("damping", "Damping", ("Nm s/rad", "N s/m")),
+)
 _EVENTS_OF_A_FALL = 4  # events; what follows them is the fall itself
 
 
@@ -252,12 +258,36 @@ def _world(rollout: Rollout) -> str:
             f"friction {decimal(disturbance.friction, 2)}, "
             f"contacts {decimal(1e3 * disturbance.contact_time)} ms, "
             f"torque delayed by {counted(disturbance.torque_delay_ticks, 'tick')}"
+            + ("" if scenario.drives == "ideal" else f", {_drives(disturbance)}")
         )
     if scenario.trunk_mass is not None:
         parts.append(f"trunk {percent(scenario.trunk_mass, 1, signed=True)} of its believed mass")
+    if scenario.drives != Scenario.drives:
+        parts.append(f"{scenario.drives} drives")
     if scenario.estimator != Scenario.estimator:
         parts.append(f"estimator {scenario.estimator}")
     return ", ".join(parts)
+
+
+def _drives(of: Disturbance) -> str:
+    """For instance "rotors +12.0 %, joint friction 1.4 ×"."""
+    rotors = percent(of.armature_factor - 1, 1, signed=True)
+    return f"rotors {rotors}, joint friction {decimal(of.joint_friction_factor, 1)} ×"
+
+
+def drive_rows(robot: Robot) -> list[Row]:
+    """The numbers of a robot's drives, a limb's from the base outwards, and how they are known."""
+    known, rows = known_drives(robot.file), []
+    limbs = [("", robot.legs[0].joints), *(("arms.", arm.joints) for arm in robot.arms[:1])]
+    for of, joints in limbs:
+        index = [robot.joint_names.index(name) for name in joints]
+        sliding = bool({*joints} & robot.sliding_joints)
+        for name, title, units in _LOSSES:
+            shown = ", ".join(short(value, 3) for value in getattr(robot, name)[index])
+            unit = " or ".join(units if sliding else units[:1])
+            row = f"Arms' {title.lower()}" if of else title
+            rows.append((row, f"{shown} {unit}, {known[of + name]}"))
+    return [*rows, ("Delay", f"{short(1e3 * robot.drive_delay, 3)} ms, {known['delay']}")]
 
 
 def push_words(push: Push) -> str:

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
-    """M a + h, rotors in M, (K, nv) N, Nm, of states and accelerations in Pinocchio's convention."""
+    """M a + h, rotors in M, (K, nv) N, Nm, of states and accelerations as Pinocchio has them."""
     data = model.createData()
     found = np.empty((len(q), model.nv))
     for k in range(len(q)):

@@ -10,9 +10,9 @@ Nothing of the planner's models enters.
 
       tau = M(q) a + h(q, v) - J^T f + the drives' friction,
 
-  with rotors in M, and the plan's contact forces. The base's linear acceleration is that with which the CoM
-  accelerates as planned. The six rows of the base have no drive: their remainder is by how much
-  the plan's centroidal dynamics are not those of the whole body.
+  with rotors in M, and the plan's contact forces. The base's linear acceleration is that with
+  which the CoM accelerates as planned. The six rows of the base have no drive: their remainder is
+  by how much the plan's centroidal dynamics are not those of the whole body.
 """
 
 from __future__ import annotations

@@ -12,11 +12,15 @@ if TYPE_CHECKING:
 
 
 def robots_command() -> int:
-    """List the robots that come with the project."""
+    """List the robots that come with the project, and how their drives are known."""
     from llsrbm.robots import read_robot_file
+    from llsrbm.robots.known_drives import known_in_words
     from llsrbm.robots.schema import robot_files
 
-    console.print_table({name: read_robot_file(path).title for name, path in robot_files().items()})
+    files = {name: read_robot_file(path) for name, path in robot_files().items()}
+    console.print_table(
+        {name: f"{file.title} (drives: {known_in_words(file)})" for name, file in files.items()}
+    )
     return console.DONE
 
 

@@ -53,8 +53,13 @@ DesignOption = Annotated[
     ),
 ]
 
-_PARAMETERS = {"solver": "qp_solver"}  # `--solver` is the planner's
-_FLAGS = {"half_board": "--half-board/--whole-board", "pushes": "--push"}
+_PARAMETERS = {"solver": "qp_solver", "drives": "ideal_drives"}  # `--solver` is the planner's
+_FLAGS = {
+    "half_board": "--half-board/--whole-board",
+    "pushes": "--push",
+    "drives": "--ideal-drives/--true-drives",
+}
+_SWITCHED = {"drives": ("true", "ideal")}  # names that a flag chooses between: off, on
 _OF_THE_TYPE = "the type's"  # default of an option that only some jump types have
 
 
@@ -172,7 +177,7 @@ def _with_options(command: Callable[..., int], kind: type, parameter: str) -> Ca
     def called(context: typer.Context, **arguments: Any) -> int:
         given = {name: arguments.pop(name) for name in field_of}
         values = {
-            field_of[name]: _in_library_units(specs[field_of[name]], value)
+            field_of[name]: _in_library_units(field_of[name], specs[field_of[name]], value)
             for name, value in given.items()
             if is_given(context, name)
         }
@@ -189,7 +194,9 @@ def _parameter(kind: type, field: str) -> str:
     return _PARAMETERS.get(field, field) if kind is Scenario else field
 
 
-def _in_library_units(spec: FieldSpec, value: Any) -> Any:
+def _in_library_units(field: str, spec: FieldSpec, value: Any) -> Any:
+    if field in _SWITCHED:
+        return _SWITCHED[field][value]
     if isinstance(spec, PushList):
         return tuple(map(parse_push, value))
     return math.radians(value) if isinstance(spec, Number) and spec.unit == "rad" else value
@@ -206,6 +213,8 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
         elif kind is Jump and field.name in TYPE_PARAMETERS:
             default, annotation, shown = None, annotation | None, _OF_THE_TYPE
+        elif field.name in _SWITCHED:
+            default, annotation = default == _SWITCHED[field.name][1], bool
         option = typer.Option(
             default,
             *([_FLAGS[field.name]] if field.name in _FLAGS else []),

@@ -11,9 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import FileFormatError, InputError
+from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory, description
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.robots import Robot
+from llsrbm.robots import Robot, load_robot
+from llsrbm.robots.drives import driven
+from llsrbm.robots.known_drives import stated_drives
 from llsrbm.text_files import parse_json, read_text
 
 ORDERS = ("depth-first", "breadth-first")
@@ -120,7 +123,8 @@ class Format:
     def described(self, trajectory: Trajectory, options: Options, **own: Any) -> dict[str, Any]:
         """Description of an exported trajectory as plain data; `own`: orders, columns and so on."""
         taken = {name: getattr(options, name) for name in self.options if name in _STATED}
-        return {"format": self.name, **taken, **own, **description(trajectory)}
+        drives = stated_drives(driven_robot(trajectory))
+        return {"format": self.name, **taken, **own, "drives": drives, **description(trajectory)}
 
     def described_json(self, trajectory: Trajectory, options: Options, **own: Any) -> str:
         """The same as JSON."""
@@ -132,6 +136,12 @@ class Format:
         """Write `described` beside `path`, under its name and `.meta.json`."""
         text = json.dumps(self.described(trajectory, options, **own), indent=1, allow_nan=False)
         path.with_name(path.name + _BESIDE).write_text(text + "\n", encoding="utf-8")
+
+
+def driven_robot(trajectory: Trajectory) -> Robot:
+    """The robot of a motion as it is now, with ideal drives where it was simulated with these."""
+    robot = load_robot(trajectory.jump.robot)
+    return driven(robot, trajectory.scenario.drives) if isinstance(trajectory, Rollout) else robot
 
 
 def read_beside(path: Path) -> dict[str, Any]:

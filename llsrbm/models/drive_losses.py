@@ -1,4 +1,4 @@
-"""What drives give beside what their links take, as expressions: for rotors, friction, damping.
+"""Torque of drives beside that of their links, as expressions: for rotors, friction, damping.
 
     I q'' + F s(q') + D q',    s(q') = q' / sqrt(q'^2 + w^2),
 
@@ -25,7 +25,7 @@ _WIDER = 3.0  # times `STILL`: friction turns about within 1 rad/s, about what a
 
 @dataclass(frozen=True, eq=False)
 class DriveLosses:
-    """Of J joints."""
+    """Rotors, friction and damping of J joints."""
 
     armature: Array  # (J,) kg m2 or kg
     friction: Array  # (J,) Nm or N
@@ -34,7 +34,7 @@ class DriveLosses:
 
     @staticmethod
     def of(robot: Robot) -> DriveLosses:
-        """Of a robot's joints, in the order of `Robot.joint_names`."""
+        """Those of a robot's joints, in the order of `Robot.joint_names`."""
         width = _WIDER * STILL * robot.speed_limit
         return DriveLosses(robot.armature, robot.friction, robot.damping, width)
 

@@ -41,9 +41,10 @@ class Drives:
     torque_limit: Array  # (L, n) Nm or N, rad/s or m/s
     speed_limit: Array  # (L, n) Nm or N, rad/s or m/s
     may_stop: NDArray[np.bool_]  # (L, n) see `near_stops`
-    # (L, n, n) joint-space inertia of each leg in the default posture, with rotors. What swinging a leg takes is
-    # this times its joints' acceleration, within 6 % of the hip's torque limit on ANYmal's jumps
-    # and 10 % of the abduction's: the legs' inertia changes with posture, and the base gives way.
+    # (L, n, n) joint-space inertia of each leg in the default posture, with rotors. What swinging a
+    # leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit on
+    # ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture, and the
+    # base gives way.
     mass_matrix: Array
     losses: DriveLosses
     joints: NDArray[np.int64]  # (L, n) places of the legs' joints in `losses`
@@ -78,7 +79,7 @@ class Drives:
         return plain | {"legs": legs, "losses": self.losses.numbers()}
 
     def effort(self, leg: int, rates: Any, accelerations: Any) -> Any:
-        """(n, 1) Nm or N that moving a leg takes of its drives, at joint rates and accelerations."""
+        """(n, 1) Nm or N of a leg's drives that move it at joint rates and accelerations."""
         resistance = (
             self.losses.resistance(int(joint), rates[k]) for k, joint in enumerate(self.joints[leg])
         )

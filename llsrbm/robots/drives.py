@@ -137,7 +137,9 @@ def ideal(robot: Robot) -> Robot:
     """The robot as if its drives had neither rotors nor friction nor delay, to compare."""
     nothing: dict[str, Any] = dict.fromkeys(("armature", "friction", "damping"), 0.0)
     known = robot.file.drives.known
-    drives = JointDrives(**nothing, delay=0.0, arms=Losses(**nothing if robot.arms else {}), known=known)
+    drives = JointDrives(
+        **nothing, delay=0.0, arms=Losses(**nothing if robot.arms else {}), known=known
+    )
     model = robot.model.copy()
     model.armature[:] = 0.0
     other = replace(robot, file=robot.file.model_copy(update={"drives": drives}), model=model)

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from llsrbm.request.tables import Length, Positive, PositiveInterval, Table, fault
 
-Known = Literal["measured", "published", "assumed"]
+Source = Literal["measured", "published", "assumed"]
 PerJoint = Length | Annotated[tuple[Length, ...], Field(min_length=1)]
 
 # What is taken of drives of which nothing is stated, of each Nm (N) of their largest torque. Rotors
@@ -46,10 +46,10 @@ class OneJoint(Table):
 class Sources(Table):
     """How the numbers are known: measured on such a robot, published by others, or assumed."""
 
-    armature: Known = "assumed"
-    friction: Known = "assumed"
-    damping: Known = "assumed"
-    delay: Known = "assumed"
+    armature: Source = "assumed"
+    friction: Source = "assumed"
+    damping: Source = "assumed"
+    delay: Source = "assumed"
 
 
 class Electrical(Table):

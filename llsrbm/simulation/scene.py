@@ -76,8 +76,8 @@ def build_scene(
 ) -> Scene:
     """Compile the robot in its surroundings, with sensors; `timestep` in s.
 
-    Of the disturbance trunk mass, rotors, both frictions and contact time enter. Raises `RobotFileError`: the
-    URDF lacks collision geometry, or MuJoCo refuses it.
+    Of the disturbance trunk mass, rotors, both frictions and contact time enter. Raises
+    `RobotFileError`: the URDF lacks collision geometry, or MuJoCo refuses it.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
     untouched = [block_body(block.name) for block in surroundings.blocks if block.untouched]

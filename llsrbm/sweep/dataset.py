@@ -1,6 +1,7 @@
 """The strict jumps of a sweep as trainers' files: computed again, a file each, with an index.
 
-    OUT/dataset.json     which sweep, format and options it is of; written first
+    OUT/dataset.json     which sweep, format and options it is of, with which drives of its robots:
+                         armature, friction, damping by joint, delay, how known; written first
     OUT/motions/N.…      a motion, N its row in the sweep; LeRobot: see `llsrbm.formats.datasets`
     OUT/index.parquet    a row a motion: file, request, seed, outcome, licence, versions
     OUT/index.csv        the same
@@ -25,6 +26,10 @@ from llsrbm.formats.base import Options
 from llsrbm.formats.datasets import DatasetFormat, Episode, find_dataset_format
 from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
+from llsrbm.request.scenario import Scenario
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives import driven
+from llsrbm.robots.known_drives import stated_drives
 from llsrbm.sweep import rows as row
 from llsrbm.sweep.folder import TABLE, begin_folder, check_empty, difference, disk_errors, stated_of
 from llsrbm.sweep.jump import plan_of, rollout_of
@@ -228,6 +233,7 @@ def _begin(
         "options": used,
         **choice,
         "sweep": {"title": sweep.spec.title, "digest": sweep.digest, "origin": sweep.origin},
+        "drives": _drives(sweep),
         "licence": LICENCE,
         "package_version": package_version(),
     }
@@ -243,6 +249,14 @@ def _begin(
                 f"{out}: holds another data set; expected the same sweep and options, or another "
                 "folder for --out"
             )
+
+
+def _drives(sweep: _Sweep) -> dict[str, Any]:
+    """Each robot's drives with which its motions were made: rotors, friction, damping, delay."""
+    scenario = sweep.spec.scenario() or Scenario()
+    return {
+        name: stated_drives(driven(load_robot(name), scenario.drives)) for name in sweep.spec.robots
+    }
 
 
 def _file(out: Path, format_: DatasetFormat, values: dict[str, Any], source: str) -> Path:

@@ -106,7 +106,9 @@ def synthetic_rollout(
         jump=plan.jump,
         robot_parameters=plan.robot_parameters,
         scenario=Scenario(seed=seed),
-        disturbance=Disturbance() if seed is None else Disturbance(1.05, 0.7, 0.01, 1, 0.01, 0.02),
+        disturbance=Disturbance()
+        if seed is None
+        else Disturbance(1.05, 0.7, 0.01, 1, 1.12, 1.4, 0.01, 0.02),
         outcome=_outcome(plan, len(legs), touchdown * dt, detected * dt, fell_at),
         joint_names=tuple(plan.joint_names[j] for j in order),
         detection_threshold=THRESHOLD,

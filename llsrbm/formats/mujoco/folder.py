@@ -4,9 +4,11 @@
 ground, boxes, friction and solver options; of a rollout those that were drawn for it), light meshes
 of the robot in `meshes/` (geom group 2; what collides is in group 3), motors that take torques in
 Nm or N within the robot file's limits, and keyframes "start", "lift-off", "touchdown" and "end" as
-far as they happened; of several flights also "lift-off-2", "touchdown-2" and so on. No damping, no
-armature. Limits that fall with the speed, torque delays and the controller are not in it. A
-rollout's lift-off is a flight's first control tick in which no foot touches anything.
+far as they happened; of several flights also "lift-off-2", "touchdown-2" and so on. Joints have
+their drives' rotors, Coulomb friction and damping as `armature`, `frictionloss` and `damping`; of a
+rollout those that were drawn for it, of ideal drives none. Limits that fall with the speed, torque
+delays and the controller are not in it. A rollout's lift-off is a flight's first control tick in
+which no foot touches anything.
 
 `motion.npz`: `time` (T,) s, `fps`, `qpos` (T, 7 + J): position, quaternion w, x, y, z without jumps
 of sign, joints; `qvel` (T, 6 + J): linear velocity in the world's axes, angular velocity in the
@@ -37,7 +39,7 @@ from numpy.typing import NDArray
 
 from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, driven_robot
 from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.flights import flights
@@ -79,10 +81,11 @@ To replay the motion, in this folder (on macOS with mjpython in place of python)
 qpos: position, quaternion w x y z, joints. qvel: linear velocity in the world's axes, angular
 velocity in the base's, joints. Joints and motors: in the order of joint_names. SI units, z up.
 mocap_pos: where boxes and boards are. {torques}
+The drives' rotors, friction and damping are the joints' armature, frictionloss and damping.
 """
 
 _TORQUES = {
-    True: "ctrl: torques of the motors, Nm or N.",
+    True: "ctrl: torques of the motors, Nm or N, with what turns their rotors.",
     False: "What torques the motors would give is not known.",
 }
 
@@ -94,8 +97,8 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     from llsrbm.simulation.world import steps_in
 
     motion = whole_body_motion(trajectory, options.fps, options.pad)
-    robot = motion.robot
-    around = surroundings_of(trajectory, motion.robot)
+    robot = driven_robot(trajectory)
+    around = surroundings_of(trajectory, robot)
     names = joints_in_model_order(robot)
     start, end = (float(trajectory.time[i]) for i in (0, -1))
     own_time = start + motion.time - np.ceil(options.pad * options.fps - 1e-9) / options.fps

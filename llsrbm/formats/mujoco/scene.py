@@ -179,7 +179,7 @@ def _stl(corners: NDArray[np.float32]) -> bytes:
 
 
 def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
-    """Places and inertias of bodies with all digits, of which MuJoCo writes six."""
+    """Places and inertias of bodies, and joints' drives, with all digits: MuJoCo writes six."""
     for body in root.iter("body"):
         number = model.body(body.get("name")).id
         for key, value, default in (
@@ -196,6 +196,14 @@ def _restore_digits(root: ET.Element, model: mujoco.MjModel) -> None:
             inertial.set("pos", _text(model.body_ipos[number]))
             inertial.set("quat", _text(model.body_iquat[number]))
             inertial.set("diaginertia", _text(model.body_inertia[number]))
+        for joint in body.findall("joint[@name]"):  # the root's has none
+            dof = model.joint(joint.get("name")).dofadr
+            for key, values in (
+                ("armature", model.dof_armature),
+                ("frictionloss", model.dof_frictionloss),
+                ("damping", model.dof_damping),
+            ):
+                joint.set(key, _text(values[dof]))
 
 
 def exported_name(name: str) -> str:

@@ -1,4 +1,4 @@
-"""The menu of estimators: every one of the simulation's, each by a name of its own."""
+"""Controls of a scenario: the menu of estimators, and the box for ideal drives."""
 
 import pytest
 
@@ -6,6 +6,7 @@ from app.panel.scenario_controls import DISTURBANCE
 from llsrbm.request.scenario import Scenario
 from llsrbm.simulation.sensors import ESTIMATORS
 
+(IDEAL,) = (field for field in DISTURBANCE if field.label == "Ideal drives")
 (FIELD,) = (field for field in DISTURBANCE if field.label == "Estimator")
 
 
@@ -23,3 +24,10 @@ def test_what_is_shown_is_what_is_asked_for(name):
 
 def test_a_files_unknown_estimator_is_not_read_from_the_menu():
     assert not FIELD.there(Scenario(estimator="nosuch"))
+
+
+@pytest.mark.parametrize(("on", "drives"), [(False, "true"), (True, "ideal")])
+def test_the_box_for_ideal_drives(on, drives):
+    scenario = IDEAL.put(Scenario(seed=3, drives="ideal"), on)
+    assert scenario == Scenario(seed=3, drives=drives)
+    assert IDEAL.shown(scenario) is on

@@ -75,7 +75,12 @@ def test_the_world(rollout):
 
     told = world(board=0.025, half_board=True, seed=4)["World"]
     assert told.startswith("half board of 25 mm, seed 4 with noise 1: trunk +5.0 %, friction 0.70")
+    assert "rotors +12.0 %, joint friction 1.4 ×" in told
     assert world()["World"] == "undisturbed"
+    assert world(drives="ideal")["World"] == "undisturbed, ideal drives"
+    told = world(drives="ideal", seed=4)["World"]
+    assert "rotors" not in told
+    assert told.endswith("ideal drives")
     assert world(trunk_mass=0.12)["World"] == "undisturbed, trunk +12.0 % of its believed mass"
     pushes = (Push(0.4, (0, 12, 0), (0, 0, -0.5)), Push(0.5, (1, 2, 0)))
     told = world(pushes=pushes)

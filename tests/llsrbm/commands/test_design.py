@@ -77,6 +77,19 @@ def test_options_override_a_designs_scenario(planner, simulator, file, capsys):
 
 
 @pytest.mark.parametrize(
+    ("flag", "drives"), [("--ideal-drives", "ideal"), ("--true-drives", "true")]
+)
+def test_ideal_drives_are_a_flag(planner, simulator, tmp_path, flag, drives, capsys):
+    path = tmp_path / "other.jump.json"
+    other = {"ideal": "true", "true": "ideal"}[drives]
+    path.write_text(dump_design(replace(DESIGN, scenario=Scenario(seed=7, drives=other))))
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate", flag, "--design", str(path)]) == 0
+    assert simulator.requests[0][1] == Scenario(seed=7, drives=drives)
+
+
+@pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
         (["plan", "--design", "slider-bok"], 'no design "slider-bok"; did you mean "slider-box"?'),

@@ -34,6 +34,7 @@ scenarios = st.builds(
     landing=names,
     solver=names,
     trunk_mass=st.none() | st.floats(-0.5, 0.5),
+    drives=names,
     pushes=st.lists(st.builds(Push, st.floats(0, 3), vectors, vectors), max_size=2).map(tuple),
     random_push=st.none() | st.floats(0, 100),
     estimator=names,

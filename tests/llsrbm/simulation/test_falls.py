@@ -19,12 +19,12 @@ def follow(scenario=None):
 
 def ice(monkeypatch):
     disturbance = Disturbance(friction=0.05)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: disturbance)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda *_: disturbance)
 
 
 def a_load_on_the_trunk(monkeypatch):
     disturbance = Disturbance(trunk_mass_factor=2.55)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda scenario: disturbance)
+    monkeypatch.setattr(loop, "draw_disturbance", lambda *_: disturbance)
 
 
 def weak_drives(monkeypatch):

@@ -63,7 +63,7 @@ def test_joints_are_in_the_places_that_their_names_say(robot):
 
 
 def test_accelerations(robot):
-    """Forward dynamics with torques and gravity, away from joint limits and contacts."""
+    """Forward dynamics with torques, rotors, damping and gravity, without constraints."""
     scene, data = scene_of(robot), robot.model.createData()
     scene.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
     joints = len(robot.joint_names)
@@ -72,6 +72,7 @@ def test_accelerations(robot):
         simulated, turn, R = in_mujoco(scene, q, v)
         simulated.ctrl[:] = torque
         mujoco.mj_forward(scene.model, simulated)
+        torque -= robot.damping * v[6:]  # Coulomb friction is a constraint
         expected = pin.aba(robot.model, data, q, v, np.concatenate([np.zeros(6), torque]))
         in_world = turn @ expected
         # Pinocchio's is the spatial acceleration, MuJoCo's that of the base's origin.
@@ -138,9 +139,17 @@ def test_friction_and_stiffness_are_the_disturbances(robot):
     model = scene_of(robot, friction=0.55, contact_time=0.017).model
     assert model.geom_friction[:, 0] == pytest.approx(0.55)
     assert model.geom_solref[:, 0] == pytest.approx(0.017)
-    assert model.dof_damping == pytest.approx(0)
-    assert model.dof_armature == pytest.approx(0)
-    assert model.dof_frictionloss == pytest.approx(0)
+
+
+def test_joints_have_the_drives_of_the_robots_file_as_disturbed(robot):
+    model = scene_of(robot, armature_factor=1.1, joint_friction_factor=2.0).model
+    dofs = [model.joint(name).dofadr[0] for name in robot.joint_names]
+    assert (robot.armature > 0).all()
+    assert model.dof_armature[dofs] == pytest.approx(1.1 * robot.armature)
+    assert model.dof_frictionloss[dofs] == pytest.approx(2 * robot.friction)
+    assert model.dof_damping[dofs] == pytest.approx(2 * robot.damping)
+    of_base = np.delete(model.dof_armature, dofs)
+    assert of_base == pytest.approx(0)
 
 
 def test_blocks_come_and_go():

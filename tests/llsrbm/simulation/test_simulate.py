@@ -174,7 +174,7 @@ def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
     from llsrbm.motion.rollout import Disturbance
     from llsrbm.simulation import simulate as module
 
-    monkeypatch.setattr(module, "draw_disturbance", lambda _: Disturbance(friction=0.02))
+    monkeypatch.setattr(module, "draw_disturbance", lambda *_: Disturbance(friction=0.02))
     outcome = run("forward").outcome
     assert outcome.status == "fell"
     assert not outcome.strict
