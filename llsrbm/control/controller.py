@@ -73,7 +73,7 @@ class WholeBodyController:
         # The same share of what the plan was made with as of what the robot is planned with.
         friction = settings.friction * (plan.friction / robot.file.limits.friction)
         self._dynamics = InverseDynamics(body, friction, scenario.solver, self._tick)
-        self._delay = DelayEstimate(self._tick)
+        self._delay = DelayEstimate(self._tick, robot.drive_delay)
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))

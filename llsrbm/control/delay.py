@@ -30,12 +30,15 @@ class DelayEstimate:
     """Compares the torques that are measured with those that were sent, tick by tick.
 
     A torque that acts a tick too long at lift-off adds 2 % to a flip's angular momentum, which
-    decides whether it lands. `ticks`: by how many commands come late, as far as is known.
+    decides whether it lands. `known`: the drives' own delay, s; `ticks`: by how many more commands
+    come late, as far as is known.
     """
 
-    def __init__(self, tick: float) -> None:
+    def __init__(self, tick: float, known: float = 0.0) -> None:
         self._tick = tick
-        self._sent: deque[Command] = deque(maxlen=MOST + 1)  # the last one first
+        self._whole, self._part = int(known // tick), known / tick % 1.0
+        # The last one first.
+        self._sent: deque[Command] = deque(maxlen=MOST + self._whole + 2)
         self._misses = np.zeros(MOST + 1)  # by delay: what was measured less what was sent
         self.ticks = 0
 
@@ -45,9 +48,10 @@ class DelayEstimate:
 
     def measured(self, torque: Array) -> None:
         """Take note of the torques (J,) of the tick that ended."""
-        if len(self._sent) > MOST:
-            sent = np.array([command.torque for command in self._sent])
-            self._misses += np.abs(torque - sent).sum(axis=1)
+        if len(self._sent) == self._sent.maxlen:
+            sent = np.array([command.torque for command in self._sent][self._whole :])
+            come = (1 - self._part) * sent[:-1] + self._part * sent[1:]
+            self._misses += np.abs(torque - come).sum(axis=1)
             self.ticks = int(self._misses.argmin())
 
     def met(self, measurement: Measurement, body: WholeBody) -> Measurement:
@@ -56,8 +60,12 @@ class DelayEstimate:
         Until then the commands act that are under way, with the accelerations they were made for.
         """
         time, q, v = measurement.time, measurement.q, measurement.v
-        for command in reversed([*self._sent][: self.ticks]):
-            after = v + command.acceleration * self._tick
-            q = body.moved(q, (v + after) / 2 * self._tick)
-            time, v = time + self._tick, after
+        late = self._whole + self.ticks
+        under_way = [(command, self._tick) for command in [*self._sent][:late]]
+        if self._part and len(self._sent) > late:
+            under_way.append((self._sent[late], self._part * self._tick))
+        for command, duration in reversed(under_way):
+            after = v + command.acceleration * duration
+            q = body.moved(q, (v + after) / 2 * duration)
+            time, v = time + duration, after
         return replace(measurement, time=time, q=q, v=v)

@@ -81,28 +81,32 @@ class TickResult:
 
 
 class Drives:
-    """J drives in the order of `robot.joint_names`.
+    """J drives in the order of `robot.joint_names`; their torques come `late` steps, of `steps` a
+    tick.
 
     `voltage`: share of the voltage for which the speed limits are stated; they fall with it.
     """
 
-    def __init__(self, robot: Robot, delay_ticks: int) -> None:
+    def __init__(self, robot: Robot, late: int = 0, steps: int = 1) -> None:
         self._robot = robot
-        self._delay = delay_ticks
-        self._under_way: deque[Array | JointLaw] = deque()
+        self._late, self._steps = late, steps
+        self._sent: deque[Array | JointLaw] = deque(maxlen=1 - (-late // steps))  # the last first
         self.voltage = 1.0
 
     def reset(self) -> None:
         """Forget the commands under way."""
-        self._under_way.clear()
+        self._sent.clear()
 
-    def arriving(self, command: Array | JointLaw) -> Array | JointLaw:
-        """The command that arrives in the tick in which `command` is sent."""
-        if not self._under_way:
+    def send(self, command: Array | JointLaw) -> None:
+        """Take the command of the tick that begins."""
+        if not self._sent:
             # Before the first tick nothing was sent; the robot was held as it is from then on.
-            self._under_way.extend([command] * self._delay)
-        self._under_way.append(command)
-        return self._under_way.popleft()
+            self._sent.extend([command] * (self._sent.maxlen or 1))
+        self._sent.appendleft(command)
+
+    def acting(self, step: int) -> Array | JointLaw:
+        """The command that acts in a step of the tick."""
+        return self._sent[max(0, -((step - self._late) // self._steps))]
 
     def limited(self, torque: Array, speed: Array) -> tuple[Array, Array]:
         """Torque (J,) applied of one at a speed (J,), and the most there is in its direction."""
@@ -113,23 +117,31 @@ class Drives:
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
-    `tick`: control period, s; `drives`: between commands and joints; `joint_order`: (J,) where the
+    `tick`: control period, s; `drives`: between commands and joints, with their file's delay or
+    `delay`, s, and that of the disturbance, in whole steps; `joint_order`: (J,) where the
     joints of MuJoCo's qpos are in `robot.joint_names`. Raises `RobotFileError`: the URDF cannot be
     simulated.
     """
 
     def __init__(
-        self, robot: Robot, surroundings: Surroundings, disturbance: Disturbance, tick: float
+        self,
+        robot: Robot,
+        surroundings: Surroundings,
+        disturbance: Disturbance,
+        tick: float,
+        delay: float | None = None,
     ) -> None:
         self.tick = tick
-        self._steps = steps_in(tick)
+        self._steps = steps = steps_in(tick)
         self.scene = build_scene(robot, surroundings, disturbance, tick / self._steps)
         self._model = self.scene.model
         self._data = mujoco.MjData(self._model)
         self._qpos, self._qvel, self._ctrl = self._data.qpos, self._data.qvel, self._data.ctrl
         self._joints, self._angles = self.scene.v_order[6:], self.scene.q_order[7:]
         self.joint_order = np.argsort(self._joints)
-        self.drives = Drives(robot, disturbance.torque_delay_ticks)
+        own = robot.drive_delay if delay is None else delay
+        late = round(own / tick * steps) + disturbance.torque_delay_ticks * steps
+        self.drives = Drives(robot, late, steps)
         self._contacts = ContactReader(
             self._model, self._data, len(robot.legs), len(robot.corners), self._steps
         )
@@ -198,12 +210,12 @@ class World:
         self.scene.move_blocks(self._data, self.time)
         if isinstance(command, np.ndarray):
             command = np.array(command, dtype=float)
-        arriving = self.drives.arriving(command)
+        self.drives.send(command)
         others = mujoco.get_mju_user_warning()
         # By itself MuJoCo prints warnings and writes them to a file in the working directory.
         mujoco.set_mju_user_warning(_log.info)
         try:
-            self._steps_with(arriving)
+            self._let_steps_pass()
         finally:
             mujoco.set_mju_user_warning(others)
         self._wrench[:] = 0.0
@@ -228,15 +240,16 @@ class World:
             obstacle_contact=self._contacts.untouched_touched(),
         )
 
-    def _steps_with(self, arriving: Array | JointLaw) -> None:
-        limited, read = self.drives.limited, self._contacts.read
+    def _let_steps_pass(self) -> None:
+        acting, limited, read = self.drives.acting, self.drives.limited, self._contacts.read
         model, data = self._model, self._data
         for step in range(self._steps):
             speed = self._qvel.take(self._joints)
-            if isinstance(arriving, np.ndarray):
-                wanted = arriving
+            command = acting(step)
+            if isinstance(command, np.ndarray):
+                wanted = command
             else:
-                wanted = arriving.torque(self._qpos.take(self._angles), speed)
+                wanted = command.torque(self._qpos.take(self._angles), speed)
             applied, self._limit[step] = limited(wanted, speed)
             self._ctrl[:] = self._torque[step] = applied
             mujoco.mj_step(model, data)

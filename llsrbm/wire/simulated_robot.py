@@ -92,7 +92,8 @@ class SimulatedRobot:
         foot_force: bool = False,
     ) -> None:
         self.robot = robot
-        self.world = World(robot, surroundings, disturbance, TICK)
+        # What the drives take is part of the conditions' delay.
+        self.world = World(robot, surroundings, disturbance, TICK, delay=0.0)
         posture = robot.posture if posture is None else posture
         self.world.reset(posture, np.zeros(robot.model.nv))
         self.observers: list[Callable[[TrueTick], None]] = []
