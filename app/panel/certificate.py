@@ -49,7 +49,7 @@ def _row(found: Finding) -> str:
     if found.is_length and found.allowed is not None:
         limit = found.shown(found.allowed)
     # A wide name may break where its words end.
-    where = f"{found.where.replace('_', ' ')}, {found.when}"
+    where = f"{found.where.replace('_', ' ')}, {found.when}{': ' if found.why else ''}{found.why}"
     return (
         f'<tr>{mark}<td style="{_CELL};white-space:nowrap">{found.shown(found.worst)}'
         f'<br><span style="{DIM}">{escape(limit)}</span></td><td style="{_CELL}">'

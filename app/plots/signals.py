@@ -29,6 +29,7 @@ from llsrbm.mechanics import Array, rotation_matrices, yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
+from llsrbm.robots.windings import Windings
 
 
 @dataclass(frozen=True)
@@ -288,6 +289,13 @@ def _joint_power(series: TimeSeries) -> Array | None:
     return None if torque is None else torque * series.motion.joint_velocity
 
 
+def _electrical_power(series: TimeSeries) -> Array | None:
+    power, windings = _joint_power(series), Windings.of(series.robot)
+    if power is None or windings is None or series.motion.joint_torque is None:
+        return None
+    return power + windings.heating(series.motion.joint_torque)
+
+
 _SHARES: Mapping[str, tuple[str, _Values]] = {
     "torque_share": ("Torque / limit", _torque_share),
     "saturation": ("Torque / limit at its speed", _saturation),
@@ -323,6 +331,12 @@ _DERIVED = (
         "power",
         "Power of the drives",
         _sampled(_joint_power, _each_kind("W", np.sum)),
+        least=10.0,
+    ),
+    Signal(
+        "electrical_power",
+        "Power from the battery",
+        _sampled(_electrical_power, _each_kind("W", np.sum)),
         least=10.0,
     ),
     *(_share(key, title, of, _each_joint("")) for key, (title, of) in _SHARES.items()),

@@ -11,11 +11,14 @@ from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
 from llsrbm.certificate import certified, stated
-from llsrbm.errors import NotConverged, Stop
+from llsrbm.certificate.power import DrivePower, PowerForecast
+from llsrbm.errors import InputError, NotConverged, RobotFileError, Stop
 from llsrbm.mechanics import final_yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import json_value
+from llsrbm.robots import load_robot
+from llsrbm.robots.windings import Windings
 
 
 def peak_yaw_rate(plan: Plan) -> float:
@@ -43,6 +46,7 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
         "refinement": None if plan.refinement is None else asdict(plan.refinement),
         "violations": {name: v.amount for name, v in plan.violations.items()},
         "joint_torque_ratio": planned_torque_shares(plan),
+        "power": power_forecast(plan).as_dict(),
         "phases": phases(plan),
         "request": plan.jump.as_dict(),
     }
@@ -118,6 +122,35 @@ def planned_torque_shares(plan: Plan) -> dict[str, float]:
     return dict(zip(plan.joint_names, largest.tolist(), strict=True))
 
 
+def power_forecast(trajectory: Plan | Rollout) -> PowerForecast:
+    """What a plan or a rollout asks of drives and battery, of its own torques and speeds."""
+    if isinstance(trajectory, Rollout):
+        torque, speed = trajectory.torque, trajectory.qvel[:, 6:]
+    elif trajectory.joint_torque is None or trajectory.joint_velocity is None:
+        return PowerForecast()
+    else:
+        torque, speed = trajectory.joint_torque, trajectory.joint_velocity
+    # Both ends of each interval or tick, over which the torque stays.
+    time = np.repeat(trajectory.time, 2)[1:-1]
+    torque, speed = np.repeat(torque[:-1], 2, axis=0), np.repeat(speed, 2, axis=0)[1:-1]
+    names = trajectory.joint_names
+    with np.errstate(all="ignore"):  # those of a plan that failed may be anything
+        return DrivePower(names, time, torque, speed, _windings(trajectory)).forecast()
+
+
+def _windings(trajectory: Plan | Rollout) -> Windings | None:
+    """Those of the trajectory's joints; None where the robot is not there, or is another by now."""
+    try:
+        robot = load_robot(trajectory.jump.robot)
+    except (InputError, RobotFileError):
+        return None
+    if sorted(trajectory.joint_names) != sorted(robot.joint_names):
+        return None
+    windings = Windings.of(robot)
+    order = [robot.joint_names.index(name) for name in trajectory.joint_names]
+    return None if windings is None else windings.reordered(order)
+
+
 # Figures promised by the contract, in its order; further figures may follow.
 PROMISED = (
     *("status", "final_yaw_error", "final_position_error", "final_tilt", "touchdown_true_s"),
@@ -134,6 +167,7 @@ def rollout_summary(rollout: Rollout) -> dict[str, Any]:
         **{name: outcome[name] for name in PROMISED},
         **outcome,
         "duration_s": rollout.duration,
+        "power": power_forecast(rollout).as_dict(),
         "scenario": asdict(rollout.scenario),
         "disturbance": asdict(rollout.disturbance),
         "events": [asdict(event) for event in diagnose(rollout)],

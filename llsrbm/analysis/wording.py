@@ -12,7 +12,9 @@ from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.analysis.figure_table import FIGURE
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.analysis.model_turn import model_turn
-from llsrbm.analysis.summaries import planned_peak_load
+from llsrbm.analysis.summaries import planned_peak_load, power_forecast
+from llsrbm.certificate import Certificate
+from llsrbm.certificate.power import CUT, PowerForecast
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance, Rollout
@@ -76,6 +78,7 @@ def plan_rows(plan: Plan) -> list[Row]:
     if load is not None:
         sliding = load_robot(plan.jump.robot).sliding_joints
         rows.append(("Most loaded joint", f"{load.joint} {load.in_words(sliding)}"))
+    rows += power_rows(power_forecast(plan))
     rows.append(("Solver", _solver(plan)))
     if plan.refinement is not None:
         rows.append(("Whole body", _refinement(plan.refinement)))
@@ -232,6 +235,7 @@ def rollout_rows(rollout: Rollout) -> list[Row]:
                 f"saturated in {shown['saturated_fraction']} of the ticks"
             ),
         ),
+        *power_rows(power_forecast(rollout)),
         ("Controller", _controller(rollout)),
         (
             "Computing",
@@ -327,6 +331,41 @@ def _controller(rollout: Rollout) -> str:
     if not outcome.unsolved_ticks:
         return f"{words}, QP solved in every tick"
     return f"{words}, QP unsolved in {outcome.unsolved_ticks} of {len(rollout.time)} ticks"
+
+
+# ---- drives
+
+
+def power_rows(forecast: PowerForecast) -> list[Row]:
+    """What drives and battery give and take back, as far as it is known."""
+    of, rows = forecast, []
+    if of.peak_w is not None and of.peak_s is not None:
+        back = f"{_watts(of.back_w)} at {decimal(of.back_s or 0.0, 2)} s"
+        energy = f"{decimal(of.energy_j or 0.0)} J given, {decimal(of.energy_back_j or 0.0)} J back"
+        peak = f"{_watts(of.peak_w)} at {decimal(of.peak_s, 2)} s"
+        rows.append(("Peak power", f"{peak}, takes back {back}; {energy}"))
+    if of.electrical_peak_w is not None and of.heat_j is not None:
+        current = of.battery_current_a
+        amperes = "" if current is None else f", {decimal(current)} A"
+        hottest = max(of.heat_j, key=of.heat_j.__getitem__)
+        heat = f"{decimal(of.heat_j[hottest])} J of heat in the winding of {hottest}"
+        rows.append(("Battery", f"gives up to {_watts(of.electrical_peak_w)}{amperes}; {heat}"))
+    return rows
+
+
+def _watts(watts: float | None) -> str:
+    """For instance "1.9 kW" or "640 W"."""
+    watts = watts or 0.0
+    return f"{decimal(watts / 1e3, 1)} kW" if watts >= 1e3 else f"{decimal(watts)} W"
+
+
+def power_cut(certificate: Certificate) -> str:
+    """When the robot will cut its power, and why; "" if it will not."""
+    cuts = sorted((found.time_s or 0.0, found) for found in certificate.broken if found.why == CUT)
+    if not cuts:
+        return ""
+    time, found = cuts[0]
+    return f"The robot will cut its power at {decimal(time, 2)} s: {found.name.replace('_', ' ')}."
 
 
 def counted(count: int, thing: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from llsrbm.certificate.contacts import ContactForce, Friction, Slip
@@ -11,6 +11,13 @@ from llsrbm.certificate.distances import Clearance, SelfDistance
 from llsrbm.certificate.dynamics import Dynamics
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.joints import JointPosition, JointSpeed, JointTorque, TorqueAtSpeed
+from llsrbm.certificate.power import (
+    BatteryCurrent,
+    DrivePower,
+    PowerForecast,
+    Regeneration,
+    WindingHeat,
+)
 from llsrbm.certificate.sampled_motion import Motion, SampledMotion
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.motion.plan import Plan
@@ -22,6 +29,7 @@ _Own = TypeVar("_Own", bound=Plan | Rollout)
 
 CHECKS: tuple[Check, ...] = (
     *(JointPosition(), JointSpeed(), JointTorque(), TorqueAtSpeed()),
+    *(Regeneration(), BatteryCurrent(), WindingHeat()),
     *(Friction(), ContactForce(), Slip()),
     *(SelfDistance(), Clearance()),
     Dynamics(),
@@ -30,9 +38,13 @@ CHECKS: tuple[Check, ...] = (
 
 @dataclass(frozen=True)
 class Certificate:
-    """Findings of all checks, in the order of `CHECKS`; `certificate["friction"]` is one."""
+    """Findings of all checks, in the order of `CHECKS`; `certificate["friction"]` is one.
+
+    `power`: what the motion asks of drives and battery, where it was sampled for it.
+    """
 
     findings: tuple[Finding, ...]
+    power: PowerForecast = field(default_factory=PowerForecast)
 
     def __iter__(self) -> Iterator[Finding]:
         return iter(self.findings)
@@ -70,7 +82,11 @@ def certify(motion: Motion, robot: Robot | None = None) -> Certificate:
         RobotFileError: the robot is not there.
     """
     sampled = SampledMotion.of(motion, robot)
-    return Certificate(tuple(check.find(sampled) for check in CHECKS))
+    power = DrivePower.of(sampled)
+    return Certificate(
+        tuple(check.find(sampled) for check in CHECKS),
+        PowerForecast() if power is None else power.forecast(),
+    )
 
 
 def certified(motion: _Own) -> _Own:

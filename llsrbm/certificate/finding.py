@@ -32,7 +32,8 @@ class Finding:
         holds: None if it cannot be known.
         beyond_s: s, how long the joint, foot or pair `where` is beyond what is allowed, in all;
             None where it is not, or where that is not counted.
-        why: reason why it is not known, or why there is nothing to hold.
+        why: reason why it is not known, or why there is nothing to hold; what follows where it does
+            not hold.
     """
 
     name: str

@@ -12,6 +12,7 @@ from llsrbm.commands import console, options
 
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate, Finding
+    from llsrbm.robots import Robot
 
 
 def check_command(
@@ -30,28 +31,34 @@ def check_command(
     """Print the certificate of a plan, a simulation or another tool's motion.
 
     Checked at 1 kHz on the robot's plain URDF, without the planner or its models: stops, speeds and
-    torques of the joints, friction, contact forces, standing feet, distances, dynamics.
+    torques of the joints, power, friction, contact forces, standing feet, distances, dynamics.
     The exit status is 1 if a check does not hold. Checks for which a file has too little are
     unknown.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.certificate import certify
         from llsrbm.formats import load_any, remarks_of
+        from llsrbm.motion.whole_body import WholeBodyMotion
+        from llsrbm.robots import load_robot
 
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
         certificate = certify(motion)
+        foreign = isinstance(motion, WholeBodyMotion)
+        mover = motion.robot if foreign else load_robot(motion.jump.robot)
         result: dict[str, Any] = {
             "file": str(file),
             "remarks": list(remarks),
             "holds": certificate.holds,
             "certificate": certificate.as_dict(),
+            "power": certificate.power.as_dict(),
+            "drives": mover.file.drives.known.model_dump(),
         }
         if as_json:
             print(json.dumps(result, allow_nan=False), file=stdout)
         else:
-            print("\n".join(_table(certificate)), file=stdout)
+            print("\n".join([*_table(certificate), *_power(certificate, mover)]), file=stdout)
     return console.FAILED if certificate.holds is False else console.DONE
 
 
@@ -63,6 +70,15 @@ def _table(certificate: Certificate) -> list[str]:
     broken = ", ".join(found.name for found in certificate.broken)
     words = {True: "holds", False: f"does not hold: {broken}", None: "holds as far as it is known"}
     return [*(line.rstrip() for line in lines), f"The certificate {words[certificate.holds]}."]
+
+
+def _power(certificate: Certificate, robot: Robot) -> list[str]:
+    """A line each: powers that are known, a power cut, how the drives are known."""
+    from llsrbm.analysis.wording import drives_words, power_cut, power_rows
+
+    lines = [f"{title}: {words}." for title, words in power_rows(certificate.power)]
+    cut = power_cut(certificate)
+    return [*lines, *([cut] if cut else []), f"Drives of {robot.name}: {drives_words(robot)}."]
 
 
 _WORDS = {True: "holds", False: "BROKEN", None: "unknown"}

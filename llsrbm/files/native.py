@@ -10,7 +10,10 @@ from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
-from typing_extensions import TypedDict  # of `typing` before 3.12 it is too little for pydantic
+from typing_extensions import (
+    NotRequired,
+    TypedDict,
+)  # of `typing` before 3.12 it is too little for pydantic
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.files.npz import LARGEST_NUMBER, Arrays, text
@@ -60,6 +63,7 @@ class StatedFinding(TypedDict):
     holds: bool | None
     allowed: _Length | None
     why: _Text
+    beyond_s: NotRequired[_Length | None]
 
 
 StatedCertificate = Annotated[dict[_Name, StatedFinding], Field(max_length=100)]

@@ -52,21 +52,44 @@ class Sources(Table):
     delay: Source = "assumed"
 
 
-class Electrical(Table):
-    """A drive's motor as its battery sees it, all joints alike or one number a leg's joint.
+OneOrEach = Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+
+
+class Motor(Table):
+    """Windings of a limb's drives: one number for all joints, or one each from the base outwards.
 
     Attributes:
-        torque_constant: Nm at the joint per ampere; resistance: ohm of the winding, both as one
-            phase carries the current that makes the torque.
-        voltage: V of the battery; current: A, largest one that it gives.
-        heat: J, largest heat in a winding over one motion.
+        torque_constant: Nm at the joint per ampere, of a sliding joint N per ampere.
+        resistance: ohm of the winding; both as one phase carries the current that makes the torque.
+        heat: J, largest heat in a winding over one motion; None: any.
     """
 
-    torque_constant: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
-    resistance: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)]
+    torque_constant: OneOrEach
+    resistance: OneOrEach
+    heat: OneOrEach | None = None
+
+
+class Electrical(Motor):
+    """What the battery sees of the drives: the legs' windings, and limits beyond which the robot
+    cuts its power.
+
+    Attributes:
+        arms: the arms' windings; without, the legs' where those are single numbers.
+        voltage: V of the battery.
+        current: A, largest one that the battery gives; None: any.
+        charge_current: A, largest one that it takes back; None: any.
+    """
+
+    arms: Motor | None = None
     voltage: Positive | None = None
     current: Positive | None = None
-    heat: Positive | None = None
+    charge_current: Positive | None = None
+
+    @model_validator(mode="after")
+    def _currents_at_a_voltage(self) -> Self:
+        if self.voltage is None and not self.current is self.charge_current is None:
+            raise fault("expected voltage beside current or charge_current")
+        return self
 
 
 class JointDrives(Losses):

@@ -10,6 +10,7 @@ import pinocchio as pin
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
 from llsrbm.robots.description import Description, installed_shares
+from llsrbm.robots.drives_schema import Motor
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 
@@ -115,13 +116,16 @@ def check_limits(robot: Robot, where: str) -> None:
 
 def check_drives(robot: Robot) -> None:
     """Raise `RobotFileError` unless [drives] fits the joints of legs and arms."""
-    drives = robot.file.drives
-    for table, losses, limbs in (
-        ("drives", drives, robot.legs),
-        ("drives.arms", drives.arms, robot.arms),
+    drives, electrical = robot.file.drives, robot.file.drives.electrical
+    losses, motor = ("armature", "friction", "damping"), tuple(Motor.model_fields)
+    for table, numbers, names, limbs in (
+        ("drives", drives, losses, robot.legs),
+        ("drives.arms", drives.arms, losses, robot.arms),
+        ("drives.electrical", electrical, motor, robot.legs),
+        ("drives.electrical.arms", electrical and electrical.arms, motor, robot.arms),
     ):
-        for name in ("armature", "friction", "damping"):
-            given = getattr(losses, name)
+        for name in names:
+            given = getattr(numbers, name, None)
             if given is not None and not limbs:
                 raise RobotFileError(
                     f"{robot.path}: {table}.{name}: the robot has no arms; expected none"
@@ -131,6 +135,13 @@ def check_drives(robot: Robot) -> None:
                     f"{robot.path}: {table}.{name}: expected one number, or "
                     f"{len(limbs[0].joints)}, one a joint ({', '.join(limbs[0].joints)}), got "
                     f"{len(given)}"
+                )
+    if electrical is not None and electrical.arms is None and robot.arms:
+        for name in motor:
+            if isinstance(getattr(electrical, name), tuple):
+                raise RobotFileError(
+                    f"{robot.path}: drives.electrical.{name}: is of the legs' joints; expected one "
+                    "number, or drives.electrical.arms beside it"
                 )
     for joint in drives.joints:
         if joint not in robot.joint_names:

@@ -1,0 +1,60 @@
+"""Windings of a robot's drives: the current that a torque takes, and the heat of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.robots.drives_schema import Electrical
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Windings:
+    """Of J joints, in the order of `Robot.joint_names`.
+
+    Attributes:
+        torque_constant: (J,) Nm or N per A; resistance: (J,) ohm.
+        heat: (J,) J, largest of one motion; infinite where the file has none.
+        battery: the file's table, with voltage and currents.
+    """
+
+    torque_constant: Array
+    resistance: Array
+    heat: Array
+    battery: Electrical
+
+    @staticmethod
+    def of(robot: Robot) -> Windings | None:
+        """Those of the robot's file; None: it has no numbers of them."""
+        table = robot.file.drives.electrical
+        if table is None:
+            return None
+
+        def each(name: str) -> Array:
+            found = np.full(len(robot.joint_names), np.inf)
+            limbs = [(robot.leg_joint_index, table)]
+            if robot.arms:
+                of_arms = robot.arm_joint_index.reshape(len(robot.arms), -1)
+                limbs.append((of_arms, table.arms or table))
+            for index, motor in limbs:
+                if (numbers := getattr(motor, name)) is not None:
+                    found[index] = numbers
+            return found
+
+        return Windings(each("torque_constant"), each("resistance"), each("heat"), table)
+
+    def reordered(self, order: Sequence[int]) -> Windings:
+        """Of the joints `order`, indices into these."""
+        numbers = (self.torque_constant[order], self.resistance[order], self.heat[order])
+        return Windings(*numbers, self.battery)
+
+    def heating(self, torque: Array) -> Array:
+        """R i^2 (..., J) W at torques (..., J) Nm or N."""
+        heat: Array = self.resistance * (torque / self.torque_constant) ** 2
+        return heat
