@@ -45,8 +45,10 @@ def check_command(
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
         certificate = certify(motion)
-        foreign = isinstance(motion, WholeBodyMotion)
-        mover = motion.robot if foreign else load_robot(motion.jump.robot)
+        if isinstance(motion, WholeBodyMotion):
+            mover = motion.robot
+        else:
+            mover = load_robot(motion.jump.robot)
         result: dict[str, Any] = {
             "file": str(file),
             "remarks": list(remarks),

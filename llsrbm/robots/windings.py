@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.robots.drives_schema import Electrical
+from llsrbm.robots.drives_schema import Electrical, Motor
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Windings:
 
         def each(name: str) -> Array:
             found = np.full(len(robot.joint_names), np.inf)
-            limbs = [(robot.leg_joint_index, table)]
+            limbs: list[tuple[NDArray[np.int64], Motor]] = [(robot.leg_joint_index, table)]
             if robot.arms:
                 of_arms = robot.arm_joint_index.reshape(len(robot.arms), -1)
                 limbs.append((of_arms, table.arms or table))

@@ -19,8 +19,8 @@ from tests.llsrbm.synthetic import synthetic_plan
 PLAN_KEYS = [
     "status", "solver", "iterations", "guess", "solve_time_s", "total_time_s", "build_time_s",
     "cost", "compiling", "duration_s", "phase_durations_s", "peak_yaw_rate", "final_yaw",
-    "model_turn", "refined", "refinement", "violations", "joint_torque_ratio", "phases", "request",
-    "certificate", "certified",
+    "model_turn", "refined", "refinement", "violations", "joint_torque_ratio", "power", "phases",
+    "request", "certificate", "certified",
 ]  # fmt: skip
 
 
