@@ -123,7 +123,7 @@ def planned_torque_shares(plan: Plan) -> dict[str, float]:
 
 
 def power_forecast(trajectory: Plan | Rollout) -> PowerForecast:
-    """What a plan or a rollout asks of drives and battery, of its own torques and speeds."""
+    """Demands on drives and battery by the torques and speeds that a plan or rollout states."""
     if isinstance(trajectory, Rollout):
         torque, speed = trajectory.torque, trajectory.qvel[:, 6:]
     elif trajectory.joint_torque is None or trajectory.joint_velocity is None:

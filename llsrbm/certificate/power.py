@@ -29,7 +29,7 @@ CUT = "the robot will cut its power"
 
 @dataclass(frozen=True)
 class PowerForecast:
-    """What a motion asks of drives and battery; None for what is not known.
+    """Demands of a motion on drives and battery; None for what is not known.
 
     Attributes:
         peak_w, peak_s: largest sum of what the drives give, W, and its instant, s; back_w, back_s:
@@ -56,7 +56,7 @@ class PowerForecast:
 
 @dataclass(frozen=True, eq=False)
 class DrivePower:
-    """Of J joints at K instants.
+    """Torques and speeds of J joints at K instants, and what follows from them.
 
     Attributes:
         names: (J,) of the joints; time: (K,) s.
@@ -72,7 +72,7 @@ class DrivePower:
 
     @staticmethod
     def of(motion: SampledMotion) -> DrivePower | None:
-        """Of a motion at 1 kHz; None where torques are not known."""
+        """Power of a motion at 1 kHz; None where torques are not known."""
         if motion.torque is None:
             return None
         robot = motion.robot

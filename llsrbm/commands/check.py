@@ -40,6 +40,7 @@ def check_command(
         from llsrbm.formats import load_any, remarks_of
         from llsrbm.motion.whole_body import WholeBodyMotion
         from llsrbm.robots import load_robot
+        from llsrbm.robots.known_drives import known_drives
 
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
@@ -55,7 +56,7 @@ def check_command(
             "holds": certificate.holds,
             "certificate": certificate.as_dict(),
             "power": certificate.power.as_dict(),
-            "drives": mover.file.drives.known.model_dump(),
+            "drives": known_drives(mover.file),
         }
         if as_json:
             print(json.dumps(result, allow_nan=False), file=stdout)
@@ -76,11 +77,16 @@ def _table(certificate: Certificate) -> list[str]:
 
 def _power(certificate: Certificate, robot: Robot) -> list[str]:
     """A line each: powers that are known, a power cut, how the drives are known."""
-    from llsrbm.analysis.wording import drives_words, power_cut, power_rows
+    from llsrbm.analysis.wording import power_cut, power_rows
+    from llsrbm.robots.known_drives import known_in_words
 
     lines = [f"{title}: {words}." for title, words in power_rows(certificate.power)]
     cut = power_cut(certificate)
-    return [*lines, *([cut] if cut else []), f"Drives of {robot.name}: {drives_words(robot)}."]
+    return [
+        *lines,
+        *([cut] if cut else []),
+        f"Drives of {robot.name}: {known_in_words(robot.file)}.",
+    ]
 
 
 _WORDS = {True: "holds", False: "BROKEN", None: "unknown"}

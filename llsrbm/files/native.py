@@ -6,14 +6,11 @@ import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NotRequired, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
-from typing_extensions import (
-    NotRequired,
-    TypedDict,
-)  # of `typing` before 3.12 it is too little for pydantic
+from typing_extensions import TypedDict  # of `typing` before 3.12 it is too little for pydantic
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
 from llsrbm.files.npz import LARGEST_NUMBER, Arrays, text

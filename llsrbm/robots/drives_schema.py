@@ -70,8 +70,8 @@ class Motor(Table):
 
 
 class Electrical(Motor):
-    """What the battery sees of the drives: the legs' windings, and limits beyond which the robot
-    cuts its power.
+    """Windings of the legs' drives, and the battery with limits beyond which the robot cuts its
+    power.
 
     Attributes:
         arms: the arms' windings; without, the legs' where those are single numbers.

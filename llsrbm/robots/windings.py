@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Windings:
-    """Of J joints, in the order of `Robot.joint_names`.
+    """Numbers of J joints, in the order of `Robot.joint_names`.
 
     Attributes:
         torque_constant: (J,) Nm or N per A; resistance: (J,) ohm.
@@ -50,7 +50,7 @@ class Windings:
         return Windings(each("torque_constant"), each("resistance"), each("heat"), table)
 
     def reordered(self, order: Sequence[int]) -> Windings:
-        """Of the joints `order`, indices into these."""
+        """The joints at the indices `order` alone."""
         numbers = (self.torque_constant[order], self.resistance[order], self.heat[order])
         return Windings(*numbers, self.battery)
 

@@ -10,7 +10,7 @@ import pytest
 import llsrbm
 from llsrbm import cli
 from llsrbm.analysis.summaries import plan_summary, power_forecast, rollout_summary
-from llsrbm.analysis.wording import drives_words, power_cut, power_rows
+from llsrbm.analysis.wording import power_cut, power_rows
 from llsrbm.certificate import CHECKS, Certificate
 from llsrbm.certificate.power import CUT, DrivePower
 from llsrbm.certificate.sampled_motion import SampledMotion
@@ -163,10 +163,6 @@ def test_words(sampled, tmp_path):
         "Peak power": "0 W at 0.00 s, takes back 24 W at 0.00 s; 0 J given, 24 J back",
         "Battery": "gives up to −4 W, 0 A; 20 J of heat in the winding of FL_calf_joint",
     }
-    known = robot.file.drives.known.model_copy(update={"armature": "published"})
-    drives = robot.file.drives.model_copy(update={"known": known})
-    robot = replace(robot, file=robot.file.model_copy(update={"drives": drives}))
-    assert drives_words(robot).startswith("armature published; ")
 
 
 def test_check_says_when_the_robot_will_cut_its_power(tmp_path, capfd):
