@@ -337,7 +337,7 @@ def _controller(rollout: Rollout) -> str:
 
 
 def power_rows(forecast: PowerForecast) -> list[Row]:
-    """What drives and battery give and take back, as far as it is known."""
+    """Powers that drives and battery give and take back, where known."""
     of, rows = forecast, []
     if of.peak_w is not None and of.peak_s is not None:
         back = f"{_watts(of.back_w)} at {decimal(of.back_s or 0.0, 2)} s"
