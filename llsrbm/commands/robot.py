@@ -42,7 +42,8 @@ def new_command(
     force: Annotated[bool, typer.Option("--force", help="Replace a file that is there.")] = False,
 ) -> int:
     """Write a robot file: measured from the URDF, the rest guessed and marked so."""
-    from llsrbm.robots import draft
+    from llsrbm.robots import draft, read_robot_file
+    from llsrbm.robots.known_drives import known_in_words
     from llsrbm.robots.urdf import package_share
 
     package, colon, inside = urdf.partition(":")
@@ -74,6 +75,7 @@ def new_command(
     if anatomy.frames:
         where = "in the middle of their soles" if anatomy.has_soles else "at the ends of shanks"
         print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} {where}")
+    print(f"  drives: {known_in_words(read_robot_file(out))}")
     for key, reason in proposal.guessed.items():
         print(f"  guessed {key}: {reason}")
     for key, reason in proposal.left_out.items():

@@ -4,6 +4,7 @@ from llsrbm.robots.description.changes import changed
 from llsrbm.robots.description.mesh_paths import installed_shares
 from llsrbm.robots.description.parts import Description, Joint, Link, Solid
 from llsrbm.robots.description.reading import read_description
+from llsrbm.robots.description.rotors import rotor_links, srdf_rotors
 
 __all__ = [
     "Description",
@@ -13,4 +14,6 @@ __all__ = [
     "changed",
     "installed_shares",
     "read_description",
+    "rotor_links",
+    "srdf_rotors",
 ]

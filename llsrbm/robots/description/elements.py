@@ -100,6 +100,12 @@ class Part:
         (found,) = self.numbers(key, 1, None if default is None else (default,))
         return found
 
+    def not_negative(self, **numbers: float) -> None:
+        """Refuse attributes with a number below zero."""
+        for key, value in numbers.items():
+            if value < 0:
+                raise self.fault(f'<{self.tag} {key}="{value:g}">: expected 0 or more')
+
     def positive(self, key: str, count: int) -> tuple[float, ...]:
         """Lengths."""
         found = self.numbers(key, count)

@@ -97,8 +97,19 @@ class Limit:
 
 
 @dataclass(frozen=True)
+class Dynamics:
+    """Damping, Nm s/rad or N s/m, and friction, Nm or N: zero where nothing is said."""
+
+    damping: float = 0.0
+    friction: float = 0.0
+
+
+@dataclass(frozen=True)
 class Joint:
-    """A joint that turns, slides or is fixed; `limit` is None where the URDF has none."""
+    """A joint that turns, slides or is fixed; `limit` is None where the URDF has none.
+
+    Its `dynamics` are for first robot files alone: drives are the robot file's.
+    """
 
     name: str
     kind: str
@@ -108,6 +119,7 @@ class Joint:
     axis: Vector = (1.0, 0.0, 0.0)
     limit: Limit | None = None
     mimic: Mimic | None = None
+    dynamics: Dynamics = Dynamics()
 
     @property
     def moves(self) -> bool:

@@ -11,6 +11,7 @@ from llsrbm.robots.description.mesh_paths import MeshPaths
 from llsrbm.robots.description.parts import (
     ZERO,
     Description,
+    Dynamics,
     Inertial,
     Joint,
     Kind,
@@ -209,6 +210,7 @@ def _joint(element: ET.Element, where: str) -> Joint:
         axis=_axis(part) if moves else (1.0, 0.0, 0.0),
         limit=_limit(part) if moves else None,
         mimic=_mimic(part) if moves else None,
+        dynamics=_dynamics(part) if moves else Dynamics(),
     )
 
 
@@ -225,10 +227,6 @@ def _axis(part: Part) -> tuple[float, float, float]:
 
 
 def _limit(part: Part) -> Limit | None:
-    dynamics = part.one("dynamics")
-    if dynamics is not None:
-        for key in ("damping", "friction"):
-            dynamics.number(key, 0.0)
     limit = part.one("limit")
     if limit is None:
         return None
@@ -238,10 +236,18 @@ def _limit(part: Part) -> Limit | None:
         raise limit.fault(
             f'<limit lower="{found.lower:g}" upper="{found.upper:g}">: expected lower below upper'
         )
-    for key in ("effort", "velocity"):
-        if getattr(found, key) < 0:
-            raise limit.fault(f'<limit {key}="{getattr(found, key):g}">: expected 0 or more')
+    limit.not_negative(effort=found.effort, velocity=found.velocity)
     return found
+
+
+def _dynamics(part: Part) -> Dynamics:
+    dynamics = part.one("dynamics")
+    if dynamics is None:
+        return Dynamics()
+    dynamics.check(("damping", "friction"))
+    found = {key: dynamics.number(key, 0.0) for key in ("damping", "friction")}
+    dynamics.not_negative(**found)
+    return Dynamics(**found)
 
 
 def _mimic(part: Part) -> Mimic | None:

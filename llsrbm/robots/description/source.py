@@ -31,34 +31,34 @@ class _Builder(ET.TreeBuilder):
         raise _Refused(f"it has a document type <!DOCTYPE {name}>; expected none, nor entities")
 
 
-def read_xml(path: Path, where: str) -> ET.Element:
-    """The root element of a URDF; `where`: how messages begin.
+def read_xml(path: Path, where: str, kind: str = "a URDF") -> ET.Element:
+    """The root element of a URDF or an SRDF, `kind`; `where`: how messages begin.
 
     Raises:
-        RobotFileError: it cannot be read, is in another encoding than it says, or is no URDF.
+        RobotFileError: it cannot be read, is in another encoding than it says, or is none.
     """
     try:
         content = path.read_bytes()
     except OSError as error:
         raise RobotFileError(f"{where} cannot be read: {error.strerror}") from error
     if len(content) > _LARGEST:
-        raise RobotFileError(f"{where} is not a URDF: it has {len(content)} bytes")
-    text = _decoded(content, where)
+        raise RobotFileError(f"{where} is not {kind}: it has {len(content)} bytes")
+    text = _decoded(content, where, kind)
     parser = ET.XMLParser(target=_Builder())  # noqa: S314  no entities get past the builder
     try:
         parser.feed(text)
         root: ET.Element = parser.close()
     except (ET.ParseError, _Refused) as error:
-        raise RobotFileError(f"{where} is not a URDF: {error}") from error
+        raise RobotFileError(f"{where} is not {kind}: {error}") from error
     _strip_namespace(root)
     if root.tag != "robot":
         raise RobotFileError(
-            f"{where} is not a URDF: it begins with <{printable(root.tag)}>; expected <robot>"
+            f"{where} is not {kind}: it begins with <{printable(root.tag)}>; expected <robot>"
         )
     return root
 
 
-def _decoded(content: bytes, where: str) -> str:
+def _decoded(content: bytes, where: str, kind: str) -> str:
     encoding = next((name for mark, name in _MARKS if content.startswith(mark)), "")
     declared = _DECLARED.match(content)
     if not encoding:
@@ -67,14 +67,14 @@ def _decoded(content: bytes, where: str) -> str:
         return content.decode(encoding)
     except LookupError as error:
         raise RobotFileError(
-            f'{where} is not a URDF: no encoding is called "{printable(encoding)}"; expected '
+            f'{where} is not {kind}: no encoding is called "{printable(encoding)}"; expected '
             "utf-8, or the one that its first line names"
         ) from error
     except UnicodeError as error:
         line = content.count(b"\n", 0, getattr(error, "start", 0)) + 1
         named = "its first line names no other" if not declared else "as its first line has it"
         raise RobotFileError(
-            f'{where} is not a URDF: line {line} is not in the encoding "{encoding}" ({named}); '
+            f'{where} is not {kind}: line {line} is not in the encoding "{encoding}" ({named}); '
             'expected that, or another in <?xml version="1.0" encoding="..."?>'
         ) from error
 

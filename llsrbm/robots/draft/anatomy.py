@@ -39,7 +39,8 @@ class Anatomy:
     """L legs of n joints and two arms or none, as the URDF has them with all other joints held.
 
     Attributes:
-        urdf: the file as it is; model: Pinocchio's, with joints held and frames added.
+        urdf, source: the file as it is, and what it says.
+        model: Pinocchio's, with joints held and frames added.
         held, frames: these, as in a robot file's table [urdf].
         arms: the left and the right one.
         shapes: the URDF's collision geometry.
@@ -54,6 +55,7 @@ class Anatomy:
     """
 
     urdf: Path
+    source: Description
     model: pin.Model
     names: tuple[str, ...]
     feet: tuple[str, ...]
@@ -118,6 +120,7 @@ def read_anatomy(urdf: Path) -> Anatomy:
     )
     return Anatomy(
         urdf=urdf,
+        source=source,
         model=model,
         names=names,
         feet=tuple(feet),

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from llsrbm.errors import RobotFileError
-from llsrbm.mechanics import GRAVITY
-from llsrbm.robots.draft import arm_posture, turning
+from llsrbm.robots.draft import arm_posture, drives, turning
 from llsrbm.robots.draft.anatomy import Anatomy
 
 Array = NDArray[np.float64]
@@ -28,10 +27,6 @@ _JUMPS = {"forward": (-0.5, 1.0), "lateral": (-0.5, 0.5), "height": (-0.3, 0.4)}
 # Of legs so long, m, the gains here are right, of point feet and of soles; times go with the root.
 _TUNED_LENGTH = (0.5, 0.9)
 _SAMPLES = 4000  # postures of a leg by which its length is measured
-_WEAKEST, _STRONGEST = 0.05, 3.0  # of m g times the leg's length: other torques are no drive's
-_TORQUE = 0.4  # of m g times the leg's length, where the URDF has none
-_SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
-_SPEED = 15.0  # rad/s, where the URDF has none
 _LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
 _STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
 _MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one like the front leg
@@ -43,11 +38,13 @@ class Proposal:
 
     Attributes:
         values: key, with dots -> value; guessed: key -> made from what.
+        sources: key -> where its number is from, or by what it is assumed.
         left_out: table -> why it is not proposed.
     """
 
     values: dict[str, Any]
     guessed: dict[str, str]
+    sources: dict[str, str]
     left_out: dict[str, str] = field(default_factory=dict)
 
 
@@ -101,7 +98,8 @@ def propose(anatomy: Anatomy) -> Proposal:
     if anatomy.arms:
         guessed["arms"] = "what hangs in a mirrored pair, up to the elbow"
         guessed["arm_reach"] = "to the stops, or to where an arm that hangs meets the trunk"
-    _drives(anatomy, length, values, guessed)
+    drives.limits(anatomy, length, values, guessed)
+    sources = drives.table(anatomy, values)
     if anatomy.radius is not None:
         values["foot.radius"] = anatomy.radius
         guessed["foot.radius"] = "from the foot's collision geometry, which has no sphere"
@@ -111,7 +109,7 @@ def propose(anatomy: Anatomy) -> Proposal:
         guessed["foot"] = "corners from the foot's collision geometry; how far it may turn"
     _gains(anatomy, length, values, guessed)
     left_out = _turning(anatomy, length, side, values, guessed)
-    return Proposal(values, guessed, {"turning": left_out} if left_out else {})
+    return Proposal(values, guessed, sources, {"turning": left_out} if left_out else {})
 
 
 def _distances(anatomy: Anatomy) -> tuple[float, float]:
@@ -270,41 +268,6 @@ def _apart(anatomy: Anatomy, length: float) -> float:
     return round(2 * float(np.linalg.norm(anatomy.corners, axis=1).max()), 2)
 
 
-def _drives(
-    anatomy: Anatomy, length: float, values: dict[str, Any], guessed: dict[str, str]
-) -> None:
-    """Torques and speeds: the URDF's where they can be meant."""
-    model, leg = anatomy.model, list(anatomy.joint_ids[0])
-    at = [model.joints[j].idx_v for j in leg]
-    weight = anatomy.mass * GRAVITY * length
-    torque, speed = model.effortLimit[at], model.velocityLimit[at]
-    meant = (torque > _WEAKEST * weight) & (torque < _STRONGEST * weight)
-    # Ankles may be weak; of a leg without one strong joint no limit is meant.
-    if not meant.any() or (torque <= 0).any():
-        torque = np.where(meant, torque, _TORQUE * weight)
-        guessed["limits.torque"] = f"{_TORQUE} of the weight times the leg's length"
-    if (speed < _SLOWEST).any() or (speed > _FASTEST).any():
-        speed = np.where((speed >= _SLOWEST) & (speed <= _FASTEST), speed, _SPEED)
-        guessed["limits.joint_speed"] = f"{_SPEED:g} rad/s where the URDF has none"
-    for key, limit in (("torque", model.effortLimit), ("joint_speed", model.velocityLimit)):
-        if others := _unlike_the_first_leg(anatomy, limit):
-            guessed["limits"] += f"; {key} as of leg {anatomy.names[0]}, the URDF has {others}"
-    values["limits.torque"] = [float(f"{t:.4g}") for t in torque]
-    values["limits.joint_speed"] = [float(f"{s:.4g}") for s in speed]
-
-
-def _unlike_the_first_leg(anatomy: Anatomy, limit: Array) -> str:
-    """Joints of other legs whose limit (nv,) is another one than the first leg's, with it."""
-    model, (first, *others) = anatomy.model, anatomy.joint_ids
-    found = [
-        f"{limit[model.joints[joint].idx_v]:g} for {model.names[joint]}"
-        for leg in others
-        for joint, like in zip(leg, first, strict=True)
-        if not np.isclose(limit[model.joints[joint].idx_v], limit[model.joints[like].idx_v])
-    ]
-    return ", ".join(found[:4]) + (f" and {len(found) - 4} more" if len(found) > 4 else "")
-
-
 def _turning(
     anatomy: Anatomy, length: float, side: float, values: dict[str, Any], guessed: dict[str, str]
 ) -> str:
@@ -318,8 +281,8 @@ def _turning(
     tucked, _ = _posture(anatomy, _NEAREST * length, no_arms)
     model, data = anatomy.model, anatomy.model.createData()
     pin.ccrba(model, data, _joined(anatomy, tucked, no_arms), np.zeros(model.nv))
-    drives = (np.array(values[key]) for key in ("limits.torque", "limits.joint_speed"))
-    flip = turning.estimate(anatomy.mass, float(data.Ig.inertia[1, 1]), length, *drives)
+    limits = (np.array(values[key]) for key in ("limits.torque", "limits.joint_speed"))
+    flip = turning.estimate(anatomy.mass, float(data.Ig.inertia[1, 1]), length, *limits)
     if why := turning.left_out(flip):
         return why
     stretch = _stretch(anatomy)

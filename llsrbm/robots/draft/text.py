@@ -11,13 +11,15 @@ from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.draft.proposal import Proposal
 
 _TABLES = (
-    "foot", "reach", "arm_reach", "limits", "timing", "turning", "turning.reach", "turning.timing",
-    "task", "example",
+    "foot", "reach", "arm_reach", "limits", "drives", "drives.arms", "drives.known", "timing",
+    "turning", "turning.reach", "turning.timing", "task", "example",
 )  # fmt: skip
 _COMMENTS = {
     "reach": "Where a foot may be, seen from its hip: x forward, y outward, m.",
     "arm_reach": "Where the first arm may be, joint angles, rad; the other one mirrored.",
     "limits": "Nm or N and rad/s or m/s, a number a joint of a leg; m, m/s.",
+    "drives": "Rotors as joints feel them, kg m2; friction, Nm; damping, Nm s/rad; sliding: kg, N.",
+    "drives.known": "What is left out is assumed.",
     "timing": "s, shortest and longest.",
     "turning": "For flips, in place of the tables above.",
     "task": "What may be asked: rad, m.",
@@ -114,8 +116,9 @@ def _table(table: str, proposal: Proposal) -> list[str]:
         comments.append(f"Guessed: {proposal.guessed[table]}.")
     lines = ["", f"[{table}]"] if not comments else ["", f"# {' '.join(comments)}", f"[{table}]"]
     for key, value in rows.items():
-        guess = proposal.guessed.get(f"{table}.{key}")
-        lines.append(f"{key} = {_value(value)}" + (f"  # guessed: {guess}" if guess else ""))
+        guess, source = (of.get(f"{table}.{key}") for of in (proposal.guessed, proposal.sources))
+        note = f"guessed: {guess}" if guess else source
+        lines.append(f"{key} = {_value(value)}" + (f"  # {note}" if note else ""))
     return lines
 
 

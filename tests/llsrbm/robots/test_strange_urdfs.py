@@ -196,6 +196,14 @@ REFUSED = {
         replaced('upper="2.5" effort="20" velocity="10"', 'upper="2.5" effort="20"'),
         ["left_knee", 'velocity="0"', "limits.joint_speed"],
     ),
+    **{
+        f"{key} of {number}": (
+            replaced('<axis xyz="0 1 0"/>', f'<axis xyz="0 1 0"/><dynamics {key}="{number}"/>'),
+            ["left_hip", f'<dynamics {key}="{number}">', "expected"],
+        )
+        for key in ("damping", "friction")
+        for number in ("-0.1", "nan")
+    },
     "an axis of zero": (
         replaced('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>'),
         ["left_hip", "axis"],

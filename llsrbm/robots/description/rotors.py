@@ -1,0 +1,75 @@
+"""Rotors of a robot's drives, as far as its description has them: links of its URDF, its SRDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from llsrbm.errors import printable
+from llsrbm.robots.description.elements import Part
+from llsrbm.robots.description.parts import Description, Inertial, Joint
+from llsrbm.robots.description.source import read_xml
+
+_ROTOR = "_rotor"  # after the name of the link that it turns
+_PARAMETERS = "rotor_params"
+
+
+def rotor_links(robot: Description) -> dict[str, float]:
+    """Joint -> inertia of its rotor about the joint's axis, kg m2, before the gear.
+
+    As in Unitree's URDFs: the link `FR_hip_rotor`, fixed to what carries the joint of `FR_hip`.
+    """
+    found = {}
+    carried = {joint.child: joint for joint in robot.joints.values()}
+    for name, link in robot.links.items():
+        joint = carried.get(name.removesuffix(_ROTOR))
+        if joint is None or not name.endswith(_ROTOR) or link.inertial is None or not joint.moves:
+            continue
+        fixed = carried[name]
+        inertia = _about_axis(joint, fixed, link.inertial)
+        if fixed.parent == joint.parent and not fixed.moves and inertia > 0:
+            found[joint.name] = inertia
+    return found
+
+
+def _about_axis(joint: Joint, fixed: Joint, inertial: Inertial) -> float:
+    """Moment of inertia, kg m2, of what is fixed to a joint's parent, about its axis."""
+    xx, xy, xz, yy, yz, zz = inertial.inertia
+    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    rotation = fixed.origin.placement.rotation @ inertial.origin.placement.rotation
+    axis = joint.origin.placement.rotation @ joint.axis
+    axis = rotation.T @ axis / np.linalg.norm(axis)
+    return float(axis @ inertia @ axis)
+
+
+def srdf_rotors(robot: Description) -> tuple[dict[str, float], str]:
+    """Joint -> inertia of its rotor, kg m2 as the joint feels it, and the SRDF that says so.
+
+    Its `<rotor_params><joint name="" mass="" gear_ratio=""/>` as example-robot-data has them: the
+    rotor's inertia, kg m2, and the gear. SRDFs beside the URDF and in the folder `srdf` beside its
+    folder are looked at, the one of its name first. Empty where none has rotors of its joints.
+
+    Raises:
+        RobotFileError: one that has rotors is no SRDF, or has a number that is none.
+    """
+    folders = robot.file.parent, robot.file.parent.parent / "srdf"
+    files = {file for folder in folders for file in folder.glob("*.srdf")}
+    for file in sorted(files, key=lambda file: (file.stem != robot.file.stem, file.name)):
+        if _PARAMETERS.encode() in file.read_bytes() and (found := _parameters(robot, file)):
+            return found, file.name
+    return {}, ""
+
+
+def _parameters(robot: Description, file: Path) -> dict[str, float]:
+    found = {}
+    root = read_xml(file, str(file), "an SRDF")
+    for element in root.iterfind(f"{_PARAMETERS}/joint"):
+        name = Part(element, f"{file}: {_PARAMETERS}").text("name")
+        part = Part(element, f'{file}: {_PARAMETERS}: joint "{printable(name)}"')
+        part.check(("name", "mass", "gear_ratio"), strict=True)
+        inertia, gear = part.number("mass"), part.number("gear_ratio")
+        part.not_negative(mass=inertia, gear_ratio=gear)
+        if name in robot.joints and inertia * gear:
+            found[name] = inertia * gear**2
+    return found

@@ -1,0 +1,119 @@
+"""Drives in first robot files: those that URDF and SRDF have, and those that are assumed."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+from llsrbm.cli import main
+from llsrbm.installed import assets_directory
+from llsrbm.robots import load_robot
+from llsrbm.robots.known_drives import known_drives
+
+PACKAGE = "example-robot-data"
+LEGS = ("left", "right")
+
+
+def drafted(path, urdf):
+    """The robot of a file that the command writes."""
+    assert main(["robot", "new", str(urdf), "--out", str(path)]) == 0
+    return load_robot(str(path))
+
+
+def line(robot, key):
+    """The first line of its file with that key, after [drives]."""
+    text = robot.path.read_text().partition("[drives]")[2]
+    return next(line for line in text.splitlines() if line.startswith(f"{key} ="))
+
+
+def test_go1s_friction_is_its_urdfs_and_its_rotors_are_named(tmp_path, capsys):
+    robot = drafted(tmp_path / "go1.toml", f"{PACKAGE}:go1_description/urdf/go1.urdf")
+    assert robot.friction == pytest.approx(0.2)
+    assert robot.damping == pytest.approx(0.01)
+    # 2e-4 kg m2 a Nm: without the gears, which are 6 and 9, the rotors say nothing.
+    assert robot.armature == pytest.approx(2e-4 * robot.torque_limit, rel=1e-3)
+    assert "0.0001118, 0.0001118, 0.0001118 kg m2" in line(robot, "armature")
+    assert "assumed" in line(robot, "armature")
+    said = "drives: friction, damping published; rotors, delay assumed"
+    assert said in capsys.readouterr().out
+
+
+def test_taloss_rotors_are_its_srdfs(tmp_path):
+    robot = drafted(tmp_path / "talos.toml", f"{PACKAGE}:talos_data/robots/talos_reduced.urdf")
+    np.testing.assert_allclose(robot.armature, 1e-5 * 100**2)
+    assert "talos.srdf" in line(robot, "armature")
+    # The URDF has friction of arms alone.
+    np.testing.assert_allclose(robot.friction[robot.arm_joint_index], 1.0)
+    np.testing.assert_allclose(
+        robot.friction[robot.leg_joint_index], 0.01 * robot.torque_limit[robot.leg_joint_index]
+    )
+    known = known_drives(robot.file)
+    assert known["armature"] == known["arms.armature"] == "published"
+    assert known["friction"] == "assumed"
+
+
+def test_what_nobody_states_is_written_and_said_to_be_assumed(tmp_path):
+    robot = drafted(tmp_path / "solo.toml", f"{PACKAGE}:solo_description/robots/solo12.urdf")
+    drives = tomllib.loads(robot.path.read_text())["drives"]
+    assert drives.keys() == {"armature", "friction", "damping", "delay"}
+    for key in drives:
+        assert "assumed" in line(robot, key)
+    assert set(known_drives(robot.file).values()) == {"assumed"}
+
+
+def rotors(parameters):
+    return f"<robot name='b'><rotor_params>{parameters}</rotor_params></robot>"
+
+
+@pytest.fixture
+def biped(tmp_path):
+    """SLIDER's URDF in a package's folders, friction at one joint, more at its like."""
+    urdf = tmp_path / "robots" / "biped.urdf"
+    urdf.parent.mkdir()
+    (tmp_path / "srdf").mkdir()
+    text = (assets_directory() / "slider" / "slider.urdf").read_text()
+    for leg, friction in zip(LEGS, (0.3, 0.4), strict=True):
+        joint = f'<joint name="{leg}_roll"'
+        assert joint in text
+        head, _, rest = text.partition(joint)
+        end = rest.index("</joint>")
+        text = f'{head}{joint}{rest[:end]}<dynamics friction="{friction}"/>{rest[end:]}'
+    urdf.write_text(text)
+    return urdf
+
+
+def test_joints_without_a_number_are_named_and_legs_that_differ(biped, tmp_path):
+    robot = drafted(tmp_path / "biped.toml", biped)
+    k = robot.joint_names.index("left_roll")
+    assert robot.friction[k] == 0.3
+    assert (robot.friction != 0.3).sum() == len(robot.joint_names) - len(LEGS)
+    said = line(robot, "friction")
+    assert "<dynamics>; assumed of left_" in said
+    assert "as of leg left, it has 0.4 for right_roll" in said
+    assert known_drives(robot.file)["friction"] == "assumed"
+
+
+def test_an_srdf_of_other_joints_says_nothing(biped, tmp_path):
+    srdf = tmp_path / "srdf" / "other.srdf"
+    srdf.write_text(rotors('<joint name="tail" mass="1e-5" gear_ratio="100"/>'))
+    assert "assumed: 0.0002 kg m2" in line(drafted(tmp_path / "b.toml", biped), "armature")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ('<joint name="left_roll" mass="-1e-5" gear_ratio="9"/>', '<joint mass="-1e-05">'),
+        ('<joint name="left_roll" mass="nan" gear_ratio="9"/>', '<joint mass="nan">'),
+        ('<joint name="left_roll" mass="1e-5" gear_ratio="-9"/>', '<joint gear_ratio="-9">'),
+        ('<joint name="left_roll" mass="1e-5"/>', "<joint> has no gear_ratio"),
+    ],
+)
+def test_rotors_that_are_none_are_refused_by_joint_and_value(
+    biped, tmp_path, parameters, said, capsys
+):
+    (tmp_path / "srdf" / "biped.srdf").write_text(rotors(parameters))
+    assert main(["robot", "new", str(biped), "--out", str(tmp_path / "biped.toml")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert 'biped.srdf: rotor_params: joint "left_roll": ' in error
+    assert said in error
