@@ -38,6 +38,7 @@ def test_a_plan(plan):
     assert rows["Least Izz in flight"] == f"{Izz} kg m² ({Izz} standing)"
     radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
     assert float(rows["Feet radius"].removesuffix(" m")) == pytest.approx(radius, rel=0.02)
+    assert rows["Peak power"].endswith(" J back")
     assert rows["Peak foot force"] == f"{robot.mass * GRAVITY / 4:.0f} N, 0.25 weights"
     rear = dict(plan_rows(synthetic_plan(Jump(type="rear-last"))))["Duration"]
     assert "take-off 0.20 + rear push (LH, RH) 0.20 + flight 0.50 + landing 0.40" in rear
