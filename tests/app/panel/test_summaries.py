@@ -3,10 +3,12 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import replace
+from html import escape
 
 import pytest
 
 from app.panel.summaries import (
+    drive_figures,
     plan_figures,
     plan_status,
     refused_status,
@@ -14,8 +16,11 @@ from app.panel.summaries import (
     simulated_status,
 )
 from llsrbm.analysis.diagnosis import diagnose
+from llsrbm.analysis.wording import drive_rows
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives_schema import JointDrives, Losses
 from tests.app.synthetic_plan import FLY, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -88,6 +93,22 @@ def test_new_plans_are_counted(plan, rollout):
     assert simulated_status(known).rest == f"{taken} of {made} new plans followed"
     assert f"{taken} of {made} followed, 10.1 ms, p95 31.2 ms<" in rollout_figures(known)
     assert "New plans" not in rollout_figures(rollout)
+
+
+def test_drives_are_told_with_how_they_are_known():
+    robot = load_robot("g1")
+    losses = Losses(armature=0.0036, friction=0.6)
+    drives = JointDrives(armature=0.01, arms=losses, delay=2e-3, known={"armature": "published"})
+    robot = replace(robot, file=robot.file.model_copy(update={"drives": drives}))
+    html = drive_figures(robot)
+    assert "Drives of Unitree G1" in html
+    rows = dict(drive_rows(robot))
+    assert rows["Rotors"] == "0.01, 0.01, 0.01, 0.01, 0.01, 0.01 kg m², published"
+    assert rows["Arms' rotors"] == "0.0036, 0.0036, 0.0036, 0.0036 kg m², published"
+    assert rows["Arms' friction"] == "0.6, 0.6, 0.6, 0.6 Nm, assumed"
+    assert rows["Delay"] == "2 ms, assumed"
+    for title in rows:
+        assert escape(title) in html
 
 
 def test_fell_says_when_and_why(plan):

@@ -12,6 +12,8 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import InputError
+from llsrbm.robots import load_robot
+from llsrbm.robots.known_drives import known_drives
 from llsrbm.sweep import dataset
 from llsrbm.sweep.dataset import make_dataset
 from tests.llsrbm.sweep.specs import filled
@@ -145,6 +147,15 @@ print(json.dumps({
     assert info["features"]["action"]["names"][0] == f"{rollout.joint_names[0]}.pos"
     action = np.array(told["action"])
     np.testing.assert_array_equal(action[:-1], state[1:, 7 : 7 + joints])
+
+
+def test_it_says_with_which_drives_its_robots_moved(plans):
+    robot = load_robot("anymal")
+    drives = json.loads((plans / "dataset.json").read_text())["drives"]["anymal"]
+    assert drives["joints"] == list(robot.joint_names)
+    assert drives["armature"] == robot.armature.tolist()
+    assert drives["delay"] == robot.drive_delay
+    assert drives["known"] == known_drives(robot.file)
 
 
 def test_goes_on_where_it_was(sweep, tmp_path, monkeypatch):

@@ -228,6 +228,24 @@ def test_the_model_is_that_of_the_simulation(case):
         np.testing.assert_allclose(*accelerations, atol=1e-4 * scale + 1e-6)
 
 
+def test_its_torques_move_the_exported_robot_as_they_moved_ours(case):
+    """In flight, from lift-off to touchdown; without the rotors joints are elsewhere by far."""
+    motion, model = case.motion("ticks"), case.model("ticks")
+    lift_off, touchdown = np.searchsorted(motion["time"], model.key_time[1:3] - 1e-9)
+    steps = round(1 / case.rate / model.opt.timestep)
+    missed = []
+    for rotors in (1.0, 0.0):
+        model.dof_armature *= rotors
+        data = mujoco.MjData(model)
+        data.qpos[:], data.qvel[:] = motion["qpos"][lift_off], motion["qvel"][lift_off]
+        for ctrl in motion["ctrl"][lift_off:touchdown]:
+            data.ctrl[:] = ctrl
+            mujoco.mj_step(model, data, steps)
+        missed.append(np.abs(data.qpos - motion["qpos"][touchdown])[7:].max())
+    assert missed[0] < 0.02  # rad or m: torques are means of ticks
+    assert missed[1] > 10 * missed[0]
+
+
 def test_the_program_in_the_readme_replays_it(case):
     """With a window that only counts, which is all that is ours about it."""
     text = (case.folders["rollout"] / "README.txt").read_text()
