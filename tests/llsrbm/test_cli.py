@@ -88,7 +88,7 @@ class TestLists:
             assert cli.main([command]) == 0
             lines = capsys.readouterr().out.splitlines()
             assert lines[0].split()[0] == first
-            assert all("(drives: rotors" in line for line in lines) == (command == "robots")
+            assert all("(drives: " in line for line in lines) == (command == "robots")
 
 
 class TestStreams:
