@@ -142,6 +142,8 @@ DISTURBANCE: tuple[Field[Scenario], ...] = (
         "Simulate and control drives without rotors, friction and delay, to compare",
         get=lambda scenario: scenario.drives == "ideal",
         put=lambda scenario, on: replace(scenario, drives="ideal" if on else "true"),
+        there=lambda scenario: scenario.drives in ("true", "ideal"),
+        stays=True,
     ),
     Field(
         "Estimator",

@@ -33,6 +33,7 @@ from llsrbm.player.play_log import PlayLog
 from llsrbm.player.states import Jumping, State, outline
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
+from llsrbm.robots.drives import driven
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
 from llsrbm.simulation.verdict import judge
@@ -120,12 +121,12 @@ def play_in(
     progress: Callable[[float], None],
     cancelled: Callable[[], bool],
 ) -> Played:
-    """Play a plan by the closed loop in a scenario: its board and what its seed disturbs.
+    """Play a plan by the closed loop in a scenario: its board, its drives, what its seed disturbs.
 
     Delay and sensors' noise are the wire's own. `progress`, `cancelled`: as `llsrbm.simulate` has
     them. Raises `Cancelled`.
     """
-    tier = ClosedLoop.name
+    tier, robot = ClosedLoop.name, driven(robot, scenario.drives)
     states = outline(make_tier(tier, plan, robot), robot.posture[7:])
     total = sum(duration for _, duration, _ in states)
 
@@ -136,12 +137,16 @@ def play_in(
             progress(min(true.time / total, 1.0))
 
     disturbance = replace(draw_disturbance(robot, scenario), torque_delay_ticks=0)
-    return play(
+    played = play(
         *(plan, robot, tier, scenario.seed or 0),
         around=surroundings(robot, plan, scenario),
         disturbance=disturbance,
         observer=look,
     )
+    if played.rollout is None:
+        return played
+    ran = replace(played.rollout.scenario, drives=scenario.drives)
+    return replace(played, rollout=replace(played.rollout, scenario=ran))
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from llsrbm.planning.problem.violations import describe_worst
 from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
+from llsrbm.robots.drives import driven
 from llsrbm.simulation.sensors import check_estimator
 
 LATENCIES = {"fixed": "the robot file's", "measured": "the computing time, if longer"}
@@ -57,6 +58,7 @@ def check_scenario(scenario: Scenario, robot: Robot) -> None:
     qp.check_name(scenario.solver)
     check_estimator(scenario.estimator)
     look_up("replan latency", scenario.replan_latency, LATENCIES)
+    driven(robot, scenario.drives)
     landing.resolved(scenario.landing, robot.file.control.force_phase)
 
 

@@ -31,3 +31,5 @@ def test_the_box_for_ideal_drives(on, drives):
     scenario = IDEAL.put(Scenario(seed=3, drives="ideal"), on)
     assert scenario == Scenario(seed=3, drives=drives)
     assert IDEAL.shown(scenario) is on
+    assert IDEAL.there(scenario)
+    assert not IDEAL.there(Scenario(drives="nosuch"))

@@ -107,6 +107,11 @@ def test_the_latency_is_the_robots():
         check_scenario(Scenario(replan_latency="none"), ROBOT)
 
 
+def test_an_unknown_kind_of_drives_is_refused():
+    with pytest.raises(InputError, match='no drives "none"; valid: true, ideal'):
+        check_scenario(Scenario(drives="none"), ROBOT)
+
+
 def test_where_nothing_happens_it_lands_as_it_does_without(takes):
     takes(0.01)
     calm, replanned = (
