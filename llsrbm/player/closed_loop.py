@@ -14,7 +14,7 @@ from llsrbm.control.readings import Readings
 from llsrbm.estimation.state_estimator import StateEstimator
 from llsrbm.motion.plan import Plan
 from llsrbm.player.posture import Planned, up_of
-from llsrbm.player.tier import PERIOD, Tier
+from llsrbm.player.tier import PERIOD, PlanTier
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 
@@ -24,7 +24,7 @@ DAMPING = 0.01  # share of the drive's torque per rad/s, of motors around the to
 UNSOLVED = 10  # ticks without a solution, 20 ms, after which the controller has nothing to say
 
 
-class ClosedLoop(Tier):
+class ClosedLoop(PlanTier):
     """Torques of the whole-body controller, tick by tick, with little damping by the motors.
 
     Where the robot is comes from its inertial unit, its joints and the feet that the controller

@@ -1,7 +1,8 @@
 """The log of a play as MCAP, for Foxglove, PlotJuggler and others: numbers to plot.
 
 Log time is ns since the first reading. Topics, JSON with schemas, a message a tick:
-  /play       state (0 check, 1 ramp, 2 stand, 3 jump, 4 damp), ms from reading to command
+  /play       state (0 check, 1 ramp, 2 stand, 3 jump, 4 damp), ms from reading to command, s by the
+              robot's clock
   /command    q, dq, tau, kp, kd of each joint, as sent
   /readings   inertial unit, joints, feet
   /estimate   base and joints as the closed loop believes them: quaternion w, x, y, z
@@ -48,12 +49,13 @@ def write(log: PlayLog, path: Path, about: dict[str, Any]) -> None:
 def _topics(log: PlayLog, columns: dict[str, Array]) -> Iterator[tuple[str, list[Series]]]:
     robot = log.robot
     joints = robot.joint_names
-    playing = np.stack([columns["state"], 1e3 * columns["computing"]], axis=1)
+    computing, robot_time = 1e3 * columns["computing"], columns["robot_time"]
     yield (
         "/play",
         [
-            Series("state", "", ("number",), playing[:, :1]),
-            Series("computing", "ms", ("time",), playing[:, 1:]),
+            Series("state", "", ("number",), columns["state"][:, None]),
+            Series("computing", "ms", ("time",), computing[:, None]),
+            Series("robot_time", "s", ("time",), robot_time[:, None]),
         ],
     )
     yield (

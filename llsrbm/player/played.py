@@ -31,6 +31,7 @@ from llsrbm.player import Ended, Player, Tier, make_tier
 from llsrbm.player.closed_loop import ClosedLoop
 from llsrbm.player.play_log import PlayLog
 from llsrbm.player.states import Jumping, State, outline
+from llsrbm.player.tier import PlanTier
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import driven
@@ -158,7 +159,7 @@ class _Followed:
 
 
 def _rollout(
-    tier: Tier,
+    tier: PlanTier,
     simulated: SimulatedRobot,
     disturbance: Disturbance,
     witness: Witness,

@@ -11,7 +11,7 @@ from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at
 from llsrbm.player.posture import Planned, gains, up_of
-from llsrbm.player.tier import PERIOD, Tier
+from llsrbm.player.tier import PERIOD, PlanTier
 from llsrbm.robots import Robot
 
 Array = NDArray[np.float64]
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 LEAD = 0.003
 
 
-class Table(Tier):
+class Table(PlanTier):
     """Rows of q, dq, tau, a period apart; nothing of the robot's state enters but its clock."""
 
     name = "table"

@@ -1,4 +1,4 @@
-"""`Tier`: a way to make commands of a plan."""
+"""`Tier`: a way to make commands, of a plan or without one."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ STANDS = 1.0  # s after the plan's end in which the robot stands, as simulations
 
 
 class Tier(ABC):
-    """Commands for one plan on one robot, tick by tick.
+    """Commands for one robot, tick by tick, that begin in the posture `first`.
 
-    Times are s since the plan's start by the robot's clock. Before it, from some tenths of a second
-    on, the robot is to stand in the plan's first posture; after its end in the last.
+    Times are s since the start by the robot's clock. Before it, from some tenths of a second on,
+    the robot is to be in its first posture.
     """
 
     name: ClassVar[str]
@@ -32,17 +32,15 @@ class Tier(ABC):
     # Checks of a certificate that need not hold, as the tier does not follow what they judge.
     makes_up_for: ClassVar[frozenset[str]] = frozenset()
 
-    def __init__(self, plan: Plan, robot: Robot) -> None:
-        """Raises `InputError`: the robot cannot stand as the plan begins."""
-        self.plan, self.robot = plan, robot
-        self.first = FirstPosture.of(plan, robot)
+    def __init__(self, robot: Robot, first: FirstPosture) -> None:
+        self.robot, self.first = robot, first
         # q (nq,), v (nv,), Pinocchio's, that the last command was made by; None: none is made.
         self.estimate: tuple[Array, Array] | None = None
 
     @property
+    @abstractmethod
     def end(self) -> float:
         """Until when there is something to do, s."""
-        return self.plan.duration + STANDS
 
     @abstractmethod
     def command(self, time: float, readings: Readings) -> MotorCommand:
@@ -56,3 +54,17 @@ class Tier(ABC):
     def trouble(self) -> str:
         """A reason of the tier's own to stop, in words; "" if there is none."""
         return ""
+
+
+class PlanTier(Tier):
+    """A tier that plays a plan; after its end the robot is to stand in the plan's last posture."""
+
+    def __init__(self, plan: Plan, robot: Robot) -> None:
+        """Raises `InputError`: the robot cannot stand as the plan begins."""
+        super().__init__(robot, FirstPosture.of(plan, robot))
+        self.plan = plan
+
+    @property
+    def end(self) -> float:
+        """See `Tier`."""
+        return self.plan.duration + STANDS

@@ -30,6 +30,8 @@ CONTACT_IMPEDANCE = (0.9, 0.95, 0.001, 0.5, 2.0)  # MuJoCo's default; results ha
 DAMPING_RATIO = 1.0  # of contacts: critical, no bouncing
 TORSION_AND_ROLLING = (0.005, 0.0001)  # m, MuJoCo's default; without effect at condim 3
 
+HUNG = 1.0  # m over the default posture
+
 _WORLD, _ROBOT = 1, 2  # collision bits: the robot meets the world; itself by stated pairs alone
 _AWAY = np.array([0.0, 0.0, -100.0])  # m, where blocks are that do not stand in the world
 
@@ -72,14 +74,23 @@ def block_places(surroundings: Surroundings, time: float) -> Array:
 
 
 def build_scene(
-    robot: Robot, surroundings: Surroundings, disturbance: Disturbance, timestep: float
+    robot: Robot,
+    surroundings: Surroundings,
+    disturbance: Disturbance,
+    timestep: float,
+    *,
+    hung: bool = False,
 ) -> Scene:
     """Compile the robot in its surroundings, with sensors; `timestep` in s.
+
+    `hung`: whether something holds its base where `hung_posture` has it.
 
     Of the disturbance trunk mass, rotors, both frictions and contact time enter. Raises
     `RobotFileError`: the URDF lacks collision geometry, or MuJoCo refuses it.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep)
+    if hung:
+        _hang(spec, robot)
     untouched = [block_body(block.name) for block in surroundings.blocks if block.untouched]
     add_sensors(spec, foot_geoms(robot), untouched)
     model = compiled(spec, robot)
@@ -267,6 +278,31 @@ def _add_surroundings(
             conaffinity=_ROBOT,
             **touch,
         )
+
+
+def hung_posture(robot: Robot) -> Array:
+    """(nq,) default posture with the base as high as no foot can reach the ground from."""
+    q = robot.posture.copy()
+    q[2] += HUNG
+    return q
+
+
+def _hang(spec: mujoco.MjSpec, robot: Robot) -> None:
+    """Hold the base where it hangs, by a weld that is as stiff as a time step allows."""
+    x, y, z, qx, qy, qz, qw = hung_posture(robot)[:7]
+    weld = spec.add_equality(
+        name="world/hung",
+        type=mujoco.mjtEq.mjEQ_WELD,
+        objtype=mujoco.mjtObj.mjOBJ_BODY,
+        name1=robot_root(spec).name,
+        solref=[2 * spec.option.timestep, 1.0],
+        solimp=[0.9999, 0.9999, 0.001, 0.5, 2.0],
+    )
+    # Of the world seen from the base: an anchor, a pose, and how turning weighs against moving.
+    base = pin.SE3(pin.Quaternion(qw, qx, qy, qz).toRotationMatrix(), np.array([x, y, z])).inverse()
+    turned = pin.Quaternion(base.rotation)
+    pose = [*base.translation, turned.w, turned.x, turned.y, turned.z]
+    weld.data[:11] = [0.0, 0.0, 0.0, *pose, 1.0]
 
 
 def _add_motors(

@@ -19,7 +19,7 @@ from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots.drives import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader, Touch
-from llsrbm.simulation.scene import build_scene
+from llsrbm.simulation.scene import build_scene, hung_posture
 
 Array = NDArray[np.float64]
 
@@ -117,7 +117,7 @@ class Drives:
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
-    `tick`: control period, s; `drives`: between commands and joints, with their file's delay or
+    `hung`: whether something holds its base in the air; `tick`: control period, s; `drives`: between commands and joints, with their file's delay or
     `delay`, s, and that of the disturbance, in whole steps; `joint_order`: (J,) where the
     joints of MuJoCo's qpos are in `robot.joint_names`. Raises `RobotFileError`: the URDF cannot be
     simulated.
@@ -130,10 +130,12 @@ class World:
         disturbance: Disturbance,
         tick: float,
         delay: float | None = None,
+        *,
+        hung: bool = False,
     ) -> None:
         self.tick = tick
         self._steps = steps = steps_in(tick)
-        self.scene = build_scene(robot, surroundings, disturbance, tick / self._steps)
+        self.scene = build_scene(robot, surroundings, disturbance, tick / steps, hung=hung)
         self._model = self.scene.model
         self._data = mujoco.MjData(self._model)
         self._qpos, self._qvel, self._ctrl = self._data.qpos, self._data.qvel, self._data.ctrl
@@ -151,7 +153,7 @@ class World:
         self._warnings = self._data.warning.number
         self._conjugate = np.empty(4)
         self._ticks = 0
-        self.reset(robot.posture, np.zeros(robot.model.nv))
+        self.reset(hung_posture(robot) if hung else robot.posture, np.zeros(robot.model.nv))
 
     @property
     def mass(self) -> float:

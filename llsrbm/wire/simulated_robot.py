@@ -21,6 +21,7 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import Robot
 from llsrbm.simulation.readings import Instruments
+from llsrbm.simulation.scene import hung_posture
 from llsrbm.simulation.world import FLAT, TickResult, World, steps_in
 from llsrbm.wire.channel import Channel, Faults
 from llsrbm.wire.link import Link
@@ -76,7 +77,7 @@ class TrueTick:
 class SimulatedRobot:
     """One robot, standing in `posture`, q (nq,), or its default one, until commands arrive.
 
-    `foot_force`: whether its feet feel anything; `observers` are called with each tick.
+    `hung`: whether it hangs in its default posture instead; `foot_force`: whether its feet feel anything; `observers` are called with each tick.
     Raises `RobotFileError`: it cannot be simulated.
     """
 
@@ -89,12 +90,14 @@ class SimulatedRobot:
         surroundings: Surroundings = FLAT,
         disturbance: Disturbance = UNDISTURBED,
         posture: Array | None = None,
+        hung: bool = False,
         foot_force: bool = False,
     ) -> None:
         self.robot = robot
         # What the drives take is part of the conditions' delay.
-        self.world = World(robot, surroundings, disturbance, TICK, delay=0.0)
-        posture = robot.posture if posture is None else posture
+        self.world = World(robot, surroundings, disturbance, TICK, delay=0.0, hung=hung)
+        if posture is None:
+            posture = hung_posture(robot) if hung else robot.posture
         self.world.reset(posture, np.zeros(robot.model.nv))
         self.observers: list[Callable[[TrueTick], None]] = []
         there, back = (np.random.default_rng([seed, k]) for k in (5, 6))  # apart from all others

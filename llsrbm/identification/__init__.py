@@ -1,0 +1,13 @@
+"""What a robot's drives are, from a log of its joints in the air: rotors, friction, damping, delay.
+
+    log = read_log(Path("hung.csv"), robot)
+    found = identify(robot, log)
+    found.joints["FL_calf_joint"].armature, found.delay
+"""
+
+from __future__ import annotations
+
+from llsrbm.identification.fit import Identified, JointDrive, identify
+from llsrbm.identification.log import Log, read_log
+
+__all__ = ["Identified", "JointDrive", "Log", "identify", "read_log"]
