@@ -99,8 +99,10 @@ def main():
     parser.add_argument("--rate", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
-    print(f"{'robot':<10}{'seed':>5}{'armature %':>12}{'friction %':>12}{'damping %':>12}"
-          f"{'delay ms':>10}{'left out':>10}{'s':>7}")
+    print(
+        f"{'robot':<10}{'seed':>5}{'armature %':>12}{'friction %':>12}{'damping %':>12}"
+        f"{'delay ms':>10}{'left out':>10}{'s':>7}"
+    )
     for name in given.robots.split(","):
         robot, met = load_robot(name), 0
         for seed in range(given.seed, given.seed + given.draws):
@@ -113,10 +115,15 @@ def main():
             good = all(off[each] < GOALS[each] for each in GOALS) and abs(late) < 3e-4
             met += good and not found.undetermined
             shown = "".join(f"{100 * off[each]:12.2f}" for each in GOALS)
-            print(f"{name:<10}{seed:5d}{shown}{1e3 * late:+10.3f}{len(found.undetermined):10d}"
-                  f"{took:7.1f}", flush=True)
-        print(f"{name}: armature within 5 %, friction and damping within 10 %, delay within 0.3 ms "
-              f"in {met} of {given.draws}")
+            print(
+                f"{name:<10}{seed:5d}{shown}{1e3 * late:+10.3f}{len(found.undetermined):10d}"
+                f"{took:7.1f}",
+                flush=True,
+            )
+        print(
+            f"{name}: armature within 5 %, friction and damping within 10 %, delay within 0.3 ms "
+            f"in {met} of {given.draws}"
+        )
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ import gc
 import json
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -17,12 +18,20 @@ from llsrbm.commands.streams import OutputLost
 from llsrbm.errors import Error, InputError, require
 
 if TYPE_CHECKING:
-    from llsrbm.motion.plan import Plan
     from llsrbm.player import Ended, Player, Tier
     from llsrbm.player.states import State
     from llsrbm.robots import Robot
 
 _SHOWN = 3  # first commands of a dry run
+
+
+class _Ready(NamedTuple):
+    """What is played: a name, the robot, what makes its tier anew, and refuses what must not be."""
+
+    name: str
+    robot: Robot
+    make: Callable[[], Tier]
+    check: Callable[[], object]
 
 
 class _Wire(NamedTuple):
@@ -34,7 +43,10 @@ class _Wire(NamedTuple):
 
 
 def deploy_command(
-    file: Annotated[Path, typer.Argument(metavar="PLAN.npz", help="A plan that converged.")],
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="PLAN.npz", help="A plan that converged; none with --excite."),
+    ] = None,
     robot: Annotated[
         str | None,
         typer.Option(
@@ -66,6 +78,14 @@ def deploy_command(
             metavar="FILE", help="Log of the play, MCAP [default: PLAN-<date>-<time>.mcap, here]."
         ),
     ] = None,
+    excite: Annotated[
+        bool,
+        typer.Option("--excite", help="No plan: move every joint, for `llsrbm identify`."),
+    ] = False,
+    hung: Annotated[
+        bool, typer.Option("--hung", help="The robot hangs, and nothing is within its legs' reach.")
+    ] = False,
+    seconds: Annotated[float, typer.Option(metavar="S", help="Duration of the excitation.")] = 60.0,
     as_json: options.AsJson = False,
 ) -> int:
     """Play a plan on a robot over its own wire: check, ramp, stand, jump, damp.
@@ -75,25 +95,23 @@ def deploy_command(
     tracking error, an unresponsive drive, a lost link, late readings, missed deadlines. The robot's
     own controller is released first, by the maker's motion switcher; a robot that another program
     commands is left alone. The exit status is 1 if the plan was not played to its end.
+
+    With --excite a hung robot moves all joints in small sums of sines about its default posture.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.player.requirements import check_plan
-        from llsrbm.player.tiers import tier_called
-
-        plan, loaded = _plan_and_robot(file, robot)
-        chosen = tier_called(tier)
+        ready = _excitation(file, robot, seconds, hung=hung) if excite else _plan(file, robot, tier)
         if dry_run:
-            check_plan(plan, loaded, chosen)
-            result, text = _dry_run(plan, loaded, chosen)
+            ready.check()
+            result, text = _dry_run(ready)
             print(json.dumps(result, allow_nan=False) if as_json else text, file=stdout)
             return console.DONE
         require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
         require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
-        path = _log_file(log, file)
-        check_plan(plan, loaded, chosen)
+        path = _log_file(log, ready.name)
+        ready.check()
         wire = _Wire(interface, domain, released)
-        ended, player = _play(plan, loaded, chosen, wire, quiet=as_json)
-        result = _result(ended, player, chosen, path)
+        ended, player, tier_name = _play(ready, wire, quiet=as_json)
+        result = _result(ended, player, tier_name, path)
         _write_log(player, path, result)
         console.print_result(result, _in_words(result, ended), stdout, as_json=as_json)
         if ended.reason:
@@ -102,33 +120,54 @@ def deploy_command(
     return console.DONE
 
 
-def _plan_and_robot(file: Path, robot: str | None) -> tuple[Plan, Robot]:
+def _plan(file: Path | None, robot: str | None, tier: str) -> _Ready:
+    """Plays a plan. Raises `InputError`: there is none, or no such tier."""
     import llsrbm
+    from llsrbm.player.requirements import check_plan
+    from llsrbm.player.tiers import tier_called
     from llsrbm.robots import load_robot
 
+    if file is None:
+        raise InputError("deploy: no plan; expected PLAN.npz, or --excite with --robot and --hung")
     plan = llsrbm.load(file)
     if not isinstance(plan, llsrbm.Plan):
         raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
-    return plan, load_robot(plan.jump.robot if robot is None else robot)
+    loaded, chosen = load_robot(plan.jump.robot if robot is None else robot), tier_called(tier)
+    return _Ready(
+        file.stem,
+        loaded,
+        lambda: chosen(plan, loaded),
+        lambda: check_plan(plan, loaded, chosen),
+    )
 
 
-def _log_file(log: Path | None, file: Path) -> Path:
+def _excitation(file: Path | None, robot: str | None, seconds: float, *, hung: bool) -> _Ready:
+    """Plays an excitation. Raises `InputError`: it is not said that the robot hangs, or which."""
+    from llsrbm.identification.excitation import Excitation
+    from llsrbm.robots import load_robot
+
+    if file is not None or robot is None:
+        raise InputError("--excite: plays no plan; expected --robot R and no PLAN.npz")
+    if not hung:
+        raise InputError(
+            "--excite: moves every joint; expected --hung, which says that the robot hangs and "
+            "nothing is within its legs' reach"
+        )
+    loaded = load_robot(robot)
+    made = Excitation(loaded, seconds)
+    return _Ready(f"excite-{loaded.name}", loaded, lambda: made, lambda: None)
+
+
+def _log_file(log: Path | None, name: str) -> Path:
     """Where the log goes; `InputError`, before anything moves: there it cannot."""
     if log is None:
-        log = Path(f"{file.stem}-{time.strftime('%Y%m%d-%H%M%S')}.mcap")
+        log = Path(f"{name}-{time.strftime('%Y%m%d-%H%M%S')}.mcap")
     if log.suffix != ".mcap" or not log.parent.is_dir():
         raise InputError(f"--log {log}: expected a name that ends in .mcap, in a folder that is")
     return log
 
 
-def _play(
-    plan: Plan,
-    robot: Robot,
-    tier: type[Tier],
-    wire: _Wire,
-    *,
-    quiet: bool,
-) -> tuple[Ended, Player]:
+def _play(ready: _Ready, wire: _Wire, *, quiet: bool) -> tuple[Ended, Player, str]:
     from threadpoolctl import threadpool_limits
 
     from llsrbm.player.player import Player
@@ -142,8 +181,8 @@ def _play(
                 print(f"{state.name:<10}{state.summary}", flush=True)
 
     with threadpool_limits(1):  # one program a tick is too small to share
-        rehearse(tier.name, plan, robot)
-        link = DdsLink(robot, wire.interface, wire.domain)
+        rehearse(ready.make())
+        link = DdsLink(ready.robot, wire.interface, wire.domain)
         try:
             done = link.take_over(released=wire.released)
         except Error:
@@ -151,7 +190,8 @@ def _play(
             raise
         if not quiet:
             print(f"{'release':<10}{done}", flush=True)
-        player = Player(tier(plan, robot), link, time.monotonic, announce)
+        tier = ready.make()
+        player = Player(tier, link, time.monotonic, announce)
         handlers = {
             number: signal.signal(number, lambda *_, reason=reason: player.stop(reason))
             for number, reason in ((signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "it was told to"))
@@ -159,7 +199,7 @@ def _play(
         gc.collect()
         gc.disable()  # a collection takes several periods
         try:
-            return player.run(), player
+            return player.run(), player, tier.name
         finally:
             gc.enable()
             link.close()
@@ -167,7 +207,7 @@ def _play(
                 signal.signal(number, handler)
 
 
-def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[str, Any]:
+def _result(ended: Ended, player: Player, tier: str, log: Path) -> dict[str, Any]:
     import numpy as np
 
     from llsrbm.player.play_log import STATES
@@ -181,7 +221,7 @@ def _result(ended: Ended, player: Player, tier: type[Tier], log: Path) -> dict[s
         "played": not ended.reason,
         "reason": ended.reason,
         "stopped_in": ended.state if ended.reason else None,
-        "tier": tier.name,
+        "tier": tier,
         "ticks": len(player.log),
         "computing_p50_s": round(float(np.median(computing)), 6),
         "computing_p99_s": round(float(np.percentile(computing, 99)), 6),
@@ -207,16 +247,16 @@ def _in_words(result: dict[str, Any], ended: Ended) -> dict[str, str]:
     return lines if ended.reason else {**lines, "ended": ended.line}
 
 
-def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any], str]:
+def _dry_run(ready: _Ready) -> tuple[dict[str, Any], str]:
     """States and first commands, as data and as text."""
     from llsrbm.player.rehearsal import first_commands
     from llsrbm.player.states import outline
 
-    made = tier(plan, robot)
+    robot, made = ready.robot, ready.make()
     states = outline(made, robot.posture[7:])
-    commands = first_commands(tier.name, plan, robot, _SHOWN)
+    commands = first_commands(made, _SHOWN)
     lines = [f"{state:<8}{duration:5.2f} s  {words}" for state, duration, words in states]
-    lines += ["", f"First commands of the jump, tier {tier.name}; of each joint q rad, dq rad/s, "]
+    lines += ["", f"First commands of the jump, tier {made.name}; of each joint q rad, dq rad/s, "]
     lines[-1] += "tau Nm, kp, kd:"
     for at, command in commands:
         lines.append(f"{1e3 * at:.0f} ms")
@@ -225,7 +265,7 @@ def _dry_run(plan: Plan, robot: Robot, tier: type[Tier]) -> tuple[dict[str, Any]
             lines.append(f"  {joint:<24}" + "".join(f"{number:10.3f}" for number in numbers))
     lines += ["", "Nothing was sent."]
     return {
-        "tier": tier.name,
+        "tier": made.name,
         "states": [{"name": name, "duration_s": duration} for name, duration, _ in states],
         "joints": list(robot.joint_names),
         "commands": [

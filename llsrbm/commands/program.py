@@ -18,6 +18,7 @@ from llsrbm.commands.compare import compare_command
 from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_error
 from llsrbm.commands.deploy import deploy_command
 from llsrbm.commands.export import export_command, formats_command, replay_command
+from llsrbm.commands.identify import identify_command
 from llsrbm.commands.listing import (
     designs_command,
     models_command,
@@ -96,6 +97,7 @@ app.command("atlas")(atlas_command)
 app.command("dataset")(dataset_command)
 app.command("robot-sim")(robot_sim_command)
 app.command("deploy")(deploy_command)
+app.command("identify")(identify_command)
 
 
 def run(arguments: list[str] | None) -> int:

@@ -6,7 +6,7 @@ import math
 import signal
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -60,6 +60,9 @@ def robot_sim_command(
             help="A controller of its own writes commands until its motion switcher releases it.",
         ),
     ] = True,
+    hung: Annotated[
+        bool, typer.Option("--hung", help="The robot hangs, its feet over the ground.")
+    ] = False,
     battery: Annotated[
         bool, typer.Option("--battery/--no-battery", help="Voltage falls with power.")
     ] = True,
@@ -92,22 +95,32 @@ def robot_sim_command(
 
             go_first()  # threads that are begun from here on do, too
         held_by = _OWN_CONTROLLER if held else ""
-        simulated, end = _standing(robot, interface, domain, held_by, plan, conditions, seed)
+        wire = _Wire(interface, domain, held_by)
+        simulated, end = _begun(robot, wire, plan, conditions, seed, hung=hung)
         if not as_json:
-            print(f"{simulated.robot.file.title} stands, {end.place}.", flush=True)
+            does = "hangs" if hung else "stands"
+            print(f"{simulated.robot.file.title} {does}, {end.place}.", flush=True)
         result = _run(simulated, end, duration)
         console.print_result(result, _in_words(result), stdout, as_json=as_json)
     return console.DONE
 
 
-def _standing(
+class _Wire(NamedTuple):
+    """Where the robot is, and what commands it at first."""
+
+    interface: str
+    domain: int | None
+    held_by: str
+
+
+def _begun(
     name: str,
-    interface: str,
-    domain: int | None,
-    held_by: str,
+    wire: _Wire,
     plan: Path | None,
     conditions: Conditions,
     seed: int,
+    *,
+    hung: bool,
 ) -> tuple[SimulatedRobot, DdsRobot]:
     from llsrbm.robots import load_robot
     from llsrbm.wire.dds import DdsRobot
@@ -115,12 +128,13 @@ def _standing(
     from llsrbm.wire.simulated_robot import SimulatedRobot
 
     robot = load_robot(name)
-    end = DdsRobot(robot, interface, domain, held_by)
+    end = DdsRobot(robot, *wire)
     simulated = SimulatedRobot(
         robot,
         conditions,
         seed,
         surroundings=_surroundings(plan, robot),
+        hung=hung,
         foot_force=MotorMap.of(robot).family == "unitree_go",
     )
     return simulated, end

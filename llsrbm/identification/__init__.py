@@ -1,8 +1,8 @@
 """What a robot's drives are, from a log of its joints in the air: rotors, friction, damping, delay.
 
-    log = read_log(Path("hung.csv"), robot)
-    found = identify(robot, log)
-    found.joints["FL_calf_joint"].armature, found.delay
+log = read_log(Path("hung.csv"), robot)
+found = identify(robot, log)
+found.joints["FL_calf_joint"].armature, found.delay
 """
 
 from __future__ import annotations

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 # Hz: slow and fast ones, for friction, damping and rotors; each joint has its own within a band.
 _BANDS = ((0.4, 0.7), (1.0, 1.5), (2.0, 3.0))
+_FASTER = 1.7  # times these, of joints with little room
 _SPEEDS = (1.0, 1.0, 1.0)  # shares of the speed that the tones of a joint have
 _WIDEST = 0.5  # rad (m: of what is between its stops) either way of the default posture
 _OF_STOPS = 0.6  # share of the way to the nearer stop
@@ -45,7 +46,8 @@ class Sines:
     """Sums of sines of J joints about a posture, that fade in and out.
 
     Attributes:
-        posture: (J,) rad about which they are; duration: s; amplitude, frequency, phase: (J, n) rad, Hz, rad.
+        posture: (J,) rad about which they are; duration: s.
+        amplitude, frequency, phase: (J, n) rad, Hz, rad.
     """
 
     robot: Robot
@@ -111,18 +113,26 @@ def sines(robot: Robot, duration: float) -> Sines:
     phase = rng.uniform(0.0, 2 * np.pi, frequency.shape)
     posture = _with_room(robot, rng)
     drawn = Sines(robot, posture, duration, np.array(_SPEEDS) / frequency, frequency, phase)
-    q, v, _ = drawn.checked
-    lower, upper = robot.joint_stops
+    found = _apart(_limited(drawn))
+    # Joints with little room move faster in it.
+    widest = np.abs(found.checked[0] - posture).max(axis=0)
+    faster = np.clip(np.sqrt(_WIDEST / np.maximum(widest, 1e-9)), 1.0, _FASTER)
+    return _apart(_limited(replace(found, frequency=faster[:, None] * frequency)))
+
+
+def _limited(found: Sines) -> Sines:
+    """With amplitudes that stops, speeds and torques allow."""
+    robot, posture, (lower, upper) = found.robot, found.posture, found.robot.joint_stops
+    q, v, _ = found.checked
     room = np.minimum(_WIDEST, _OF_STOPS * np.minimum(posture - lower, upper - posture))
-    found = drawn.scaled(
-        np.minimum(
-            np.maximum(room, 0.0) / np.abs(q - posture).max(axis=0),
-            _OF_SPEED * robot.speed_limit / np.abs(v).max(axis=0),
-        )
+    shares = (
+        np.maximum(room, 0.0) / np.abs(q - posture).max(axis=0),
+        _OF_SPEED * robot.speed_limit / np.abs(v).max(axis=0),
     )
+    found = found.scaled(np.minimum(1.0, np.minimum(*shares)))
     torque = np.abs(found.torques() - found.weight).max(axis=0)
-    room = np.maximum(_OF_TORQUE * robot.torque_limit - np.abs(found.weight), 0.0)
-    return _apart(found.scaled(np.minimum(1.0, room / np.maximum(torque, 1e-9))))
+    left = np.maximum(_OF_TORQUE * robot.torque_limit - np.abs(found.weight), 0.0)
+    return found.scaled(np.minimum(1.0, left / np.maximum(torque, 1e-9)))
 
 
 def _with_room(robot: Robot, rng: np.random.Generator) -> Array:
@@ -131,7 +141,11 @@ def _with_room(robot: Robot, rng: np.random.Generator) -> Array:
     default = robot.posture[7:]
     off = _ASIDE * rng.uniform(-1.0, 1.0, (_POSTURES, len(default)))
     off[0] = 0.0
-    tried = np.clip(default + off, np.minimum(lower + 0.2 * (upper - lower), default), np.maximum(upper - 0.2 * (upper - lower), default))
+    tried = np.clip(
+        default + off,
+        np.minimum(lower + 0.2 * (upper - lower), default),
+        np.maximum(upper - 0.2 * (upper - lower), default),
+    )
     distances = np.minimum(shapes.near_distances(_level(robot, tried), _FAR), _FAR)
     best: Array = tried[int(np.argmax(np.sqrt(np.maximum(distances, 0.0)).sum(axis=1)))]
     return best
@@ -156,7 +170,9 @@ def _apart(found: Sines) -> Sines:
         share = np.ones(len(robot.joint_names))
         for pair in np.flatnonzero(near):
             for link in shapes.pairs[pair]:
-                moved = [robot.model.joints[j].idx_v - 6 for j in robot.model.supports[joint_of[link]]]
+                moved = [
+                    robot.model.joints[j].idx_v - 6 for j in robot.model.supports[joint_of[link]]
+                ]
                 share[[k for k in moved if k >= 0]] = _LESS
         found = found.scaled(share)
     raise InputError(
@@ -200,5 +216,7 @@ class Excitation(Tier):
 def _torque(robot: Robot, q: Array, v: Array, a: Array) -> Array:
     """(J,) Nm by inverse dynamics and friction, the base at rest and level."""
     still, data = np.zeros(6), robot.model.createData()
-    torque = pin.rnea(robot.model, data, _level(robot, q[None])[0], np.array([*still, *v]), np.array([*still, *a]))
+    torque = pin.rnea(
+        robot.model, data, _level(robot, q[None])[0], np.array([*still, *v]), np.array([*still, *a])
+    )
     return np.array(torque[6:]) + friction_torque(robot, v)

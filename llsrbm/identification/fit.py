@@ -32,7 +32,7 @@ Mask = NDArray[np.bool_]
 NAMES = ("armature", "friction", "damping")
 
 _FIRST = 0.003  # s, standard deviation of the first filter
-# Of the second, of each joint the longest that leaves enough: noise of q'' falls with its power 1.5.
+# Of the second; of each joint the longest that leaves enough, as noise falls with its power 1.5.
 _SECOND = (0.02, 0.014, 0.01, 0.007)
 _CUT = 5.0  # standard deviations at which filters end
 _SLOW = 0.7 * STILL  # share of the speed limit below which friction is not known
@@ -113,7 +113,14 @@ def identify(robot: Robot, log: Log) -> Identified:
         raise InputError(f"{log.name}: no joint's drive can be told from it; {name}: {why}")
     measured, modelled = signals.torques(joints, delay)
     return Identified(
-        log, joints, undetermined, delay - log.sent_after, delay_error, signals.time, measured, modelled
+        log,
+        joints,
+        undetermined,
+        delay - log.sent_after,
+        delay_error,
+        signals.time,
+        measured,
+        modelled,
     )
 
 
@@ -122,7 +129,7 @@ class _Signals:
 
     def __init__(self, robot: Robot, log: Log) -> None:
         self.robot, self.log, self.period = robot, log, log.period
-        self.time = log.period * np.arange(len(log.q))
+        self.time: Array = log.period * np.arange(len(log.q), dtype=np.float64)
         self.q, self.dq = self._first(log.q), self._first(log.dq)
         self.ddq = self._first(log.dq, 1)
         self.sent, self.feedback = self._first(log.sent), self._first(log.feedback)
@@ -131,9 +138,7 @@ class _Signals:
         self.moving = np.abs(self.dq).max(axis=0) > self._slow
         # What must not enter: joints that turn about, stops, full torque, gaps.
         window = 2 * round(_TURNS / log.period) + 1
-        lowest, highest = (
-            f(self.dq, window, axis=0) for f in (minimum_filter1d, maximum_filter1d)
-        )
+        lowest, highest = (f(self.dq, window, axis=0) for f in (minimum_filter1d, maximum_filter1d))
         lower, upper = robot.joint_stops
         self.out = (lowest < self._slow) & (highest > -self._slow)
         self.out |= (log.q < lower + _AT_STOP) | (log.q > upper - _AT_STOP)
@@ -298,7 +303,7 @@ def _filtered(signals: _Signals, joint: int, second: float) -> _Column:
         np.column_stack([*columns, np.ones(len(time))]),
         through(signals.links + signals.feedback)[every][kept],
         CubicSpline(signals.time, through(signals.sent)),
-        time - period / 2,  # a command is held until the next
+        np.asarray(time - period / 2),  # a command is held until the next
         len(time) * every.step * period / (2 * np.sqrt(np.pi) * both),
     )
 
@@ -319,4 +324,4 @@ def _delay(columns: list[_Column]) -> float:
 def _delay_error(columns: list[_Column], delay: float) -> float:
     """Standard error of the delay, s."""
     known = sum(float(np.sum(c.slope(delay) ** 2)) / c.variance(delay) for c in columns)
-    return 1.0 / np.sqrt(known) if known > 0 else np.inf
+    return float(1.0 / np.sqrt(known)) if known > 0 else np.inf

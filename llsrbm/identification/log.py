@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import io
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -77,7 +77,10 @@ def _read_csv(path: Path, robot: Robot) -> Log:
     text = read_text(path, "a log in CSV", _LARGEST)
     header, _, rows = text.partition("\n")
     names = [name.strip() for name in header.split(",")]
-    wanted = ["time", *(f"{of}:{joint}" for of in ("q", "dq", "tau") for joint in robot.joint_names)]
+    wanted = [
+        "time",
+        *(f"{of}:{joint}" for of in ("q", "dq", "tau") for joint in robot.joint_names),
+    ]
     missing = [name for name in wanted if name not in names]
     for name in names:
         kind, _, joint = name.partition(":")
@@ -97,10 +100,15 @@ def _read_csv(path: Path, robot: Robot) -> Log:
     wanted += inertial if hangs_free else []
     try:
         table = np.loadtxt(
-            io.StringIO(rows), delimiter=",", usecols=[names.index(name) for name in wanted], ndmin=2
+            io.StringIO(rows),
+            delimiter=",",
+            usecols=[names.index(name) for name in wanted],
+            ndmin=2,
         )
     except ValueError as reason:
-        raise FileFormatError(f"{path}: {printable(str(reason), 200)}; expected numbers") from reason
+        raise FileFormatError(
+            f"{path}: {printable(str(reason), 200)}; expected numbers"
+        ) from reason
     if not np.isfinite(table).all():
         row, column = np.argwhere(~np.isfinite(table))[0]
         raise FileFormatError(
@@ -127,7 +135,9 @@ def _read_mcap(path: Path, robot: Robot) -> Log:
     about, rows = _messages(path)
     of_tick = [row for row in rows if row.keys() >= set(_TOPICS)]
     if not of_tick:
-        raise FileFormatError(f"{path}: no commands with readings; expected a log of `llsrbm deploy`")
+        raise FileFormatError(
+            f"{path}: no commands with readings; expected a log of `llsrbm deploy`"
+        )
     joints = robot.joint_names
     if set(of_tick[0]["/readings"]["q"]) != set(joints):
         raise FileFormatError(f"{path}: expected a log of {robot.name}, got another robot's joints")
@@ -212,6 +222,4 @@ def _evenly(
         for name, values in measured.items()
         if values.shape[1]
     }
-    return Log(
-        path.name, period, sent=sent[before], usable=there, sent_after=sent_after, **columns
-    )
+    return Log(path.name, period, sent=sent[before], usable=there, sent_after=sent_after, **columns)

@@ -7,40 +7,31 @@ import numpy as np
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.mechanics import GRAVITY
-from llsrbm.motion.plan import Plan
 from llsrbm.player.tier import PERIOD, Tier
-from llsrbm.player.tiers import make_tier
-from llsrbm.robots import Robot
 
 _STANDS = 0.02  # s before the start
-_APART = 0.02  # s between the instants of the plan that are tried
+_APART = 0.02  # s between the instants that are tried
+_LONGEST = 10.0  # s; what comes later is more of the same
 
 
-def first_commands(
-    tier: str, plan: Plan, robot: Robot, count: int
-) -> list[tuple[float, MotorCommand]]:
-    """The first commands of a plan, with their times, s, for a robot that stands still meanwhile.
-
-    Raises `InputError`: no such tier, or the robot cannot stand as the plan begins.
-    """
-    made = make_tier(tier, plan, robot)
+def first_commands(made: Tier, count: int) -> list[tuple[float, MotorCommand]]:
+    """The first commands of a fresh tier, with their times, s, for a robot that stays still."""
     times = PERIOD * np.arange(-round(_STANDS / PERIOD), count)
     commands = [(t, made.command(t, _at_rest(made, t))) for t in times.tolist()]
     return commands[-count:]
 
 
-def rehearse(tier: str, plan: Plan, robot: Robot) -> None:
-    """Run a tier through its plan, as if the robot stood still; nothing of it is kept.
+def rehearse(made: Tier) -> None:
+    """Run a tier that is not used afterwards, as if the robot stayed still.
 
-    The first call of each part takes ten times as long as the next. Raises as `first_commands`.
+    The first call of each part takes ten times as long as the next.
     """
-    made = make_tier(tier, plan, robot)
-    for time in np.arange(-_STANDS, made.end, _APART).tolist():
+    for time in np.arange(-_STANDS, min(made.end, _LONGEST), _APART).tolist():
         made.command(time, _at_rest(made, time))
 
 
 def _at_rest(tier: Tier, time: float) -> Readings:
-    """Readings of a robot that stands as the plan begins."""
+    """Readings of a robot that is at rest as it begins."""
     q = tier.first.q
     still = np.zeros(len(q) - 7)
     up = tier.first.planned.up

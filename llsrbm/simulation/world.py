@@ -117,10 +117,10 @@ class Drives:
 class World:
     """The robot and its surroundings, at rest in its default posture until `reset`.
 
-    `hung`: whether something holds its base in the air; `tick`: control period, s; `drives`: between commands and joints, with their file's delay or
-    `delay`, s, and that of the disturbance, in whole steps; `joint_order`: (J,) where the
-    joints of MuJoCo's qpos are in `robot.joint_names`. Raises `RobotFileError`: the URDF cannot be
-    simulated.
+    `hung`: whether something holds its base in the air; `tick`: control period, s; `drives`:
+    between commands and joints, with their file's delay or `delay`, s, and that of the disturbance,
+    in whole steps; `joint_order`: (J,) where the joints of MuJoCo's qpos are in
+    `robot.joint_names`. Raises `RobotFileError`: the URDF cannot be simulated.
     """
 
     def __init__(

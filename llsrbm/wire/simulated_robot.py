@@ -77,8 +77,9 @@ class TrueTick:
 class SimulatedRobot:
     """One robot, standing in `posture`, q (nq,), or its default one, until commands arrive.
 
-    `hung`: whether it hangs in its default posture instead; `foot_force`: whether its feet feel anything; `observers` are called with each tick.
-    Raises `RobotFileError`: it cannot be simulated.
+    `hung`: whether it hangs in its default posture instead; `foot_force`: whether its feet feel
+    anything; `observers` are called with each tick. Raises `RobotFileError`: it cannot be
+    simulated.
     """
 
     def __init__(

@@ -1,0 +1,58 @@
+"""Measured against modelled torques as a picture, by matplotlib (`llsrbm[pictures]`)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from llsrbm.errors import Error, InputError, require
+from llsrbm.identification.fit import Identified
+
+SUFFIXES = (".png", ".svg", ".pdf")
+"""Of pictures that can be written."""
+
+_SHOWN = 4.0  # s, from the log's middle
+_COLUMNS, _WIDTH, _HEIGHT = 3, 3.6, 1.9  # inches of a joint
+_DPI = 100
+
+
+def check_picture(path: Path) -> None:
+    """Raise `InputError`: no picture has such a name, or matplotlib is not installed."""
+    if path.suffix not in SUFFIXES or not path.parent.is_dir():
+        kinds = ", ".join(SUFFIXES)
+        raise InputError(
+            f"--plot {path}: expected a name that ends in {kinds}, in a folder that is"
+        )
+    require("pictures need matplotlib", "pictures", "matplotlib")
+
+
+def write_picture(found: Identified, path: Path) -> None:
+    """Draw some seconds of each joint that was identified. Raises as `check_picture`; `Error`: the
+    file cannot be written.
+    """
+    check_picture(path)
+    from matplotlib.figure import Figure
+
+    names = list(found.joints)
+    known = np.flatnonzero(np.isfinite(found.measured[0]))
+    rows = -(-len(names) // _COLUMNS)
+    size = (_COLUMNS * _WIDTH, rows * _HEIGHT + 0.6)
+    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    plots = figure.subplots(rows, _COLUMNS, squeeze=False, sharex=True).ravel()
+    middle = found.time[-1] / 2
+    shown = np.abs(found.time - middle) <= _SHOWN / 2
+    for axes, name, joint in zip(plots, names, known, strict=False):
+        axes.plot(found.time[shown], found.measured[shown, joint], lw=1.6, label="measured")
+        axes.plot(found.time[shown], found.modelled[shown, joint], lw=0.9, label="modelled")
+        axes.set_title(name, fontsize=8)
+        axes.tick_params(labelsize=7)
+    for axes in plots[len(names) :]:
+        axes.set_axis_off()
+    figure.supxlabel("time, s", fontsize=8)
+    figure.supylabel("torque, Nm", fontsize=8)
+    plots[0].legend(fontsize=7)
+    try:
+        figure.savefig(path)
+    except OSError as error:
+        raise Error(f"{path}: cannot be written ({error.strerror or error})") from error
