@@ -14,10 +14,11 @@ from dataclasses import dataclass, replace
 import mujoco
 import numpy as np
 
+from llsrbm.control.readings import Readings
 from llsrbm.identification import Log, identify
-from llsrbm.identification.excitation import sines
+from llsrbm.identification.excitation import Excitation
+from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.player.posture import gains
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives_schema import JointDrives
 from llsrbm.simulation.readings import ENCODER_STEP, JOINT_ZERO, SPEED_NOISE
@@ -55,23 +56,24 @@ def recorded(drives, seconds, rate, seed, noise=1.0):
     robot, period, rng = drives.robot, 1 / rate, np.random.default_rng([seed, 8])
     scene = build_scene(robot, FLAT, Disturbance(), STEP, hung=True)
     data, steps = mujoco.MjData(scene.model), round(period / STEP)
-    excitation = sines(robot, seconds)
+    nominal = load_robot(robot.name)
+    excitation = Excitation(nominal, seconds)
     times = period * np.arange(round(seconds * rate))
-    wanted, speeds, _ = excitation.at(times)
     data.qpos[scene.q_order] = hung_posture(robot)
     joint, moves = scene.q_order[7:], scene.v_order[6:]
-    data.qpos[joint] = wanted[0]
-    kp, kd = gains(robot)
-    q, dq, tau = np.zeros((3, *wanted.shape))
+    data.qpos[joint] = excitation.first.joints
+    q, dq, tau = np.zeros((3, len(times), len(joint)))
+    at_rest = np.array([1.0, 0, 0, 0]), np.zeros(3), np.array([0, 0, GRAVITY])
     zero = noise * JOINT_ZERO * rng.standard_normal(len(joint))
     # Of a command, steps see the share of their time that it holds.
     late = drives.delay / STEP
     whole, part = int(late), late - int(late)
-    sent = [excitation.weight] * (whole + 2)
+    sent = [excitation.first.torque] * (whole + 2)
     for k in range(len(times)):
         q[k] = ENCODER_STEP * np.round((data.qpos[joint] + zero) / ENCODER_STEP)
         dq[k] = data.qvel[moves] + noise * SPEED_NOISE * rng.standard_normal(len(joint))
-        tau[k] = excitation.weight + kp * (wanted[k] - q[k]) + kd * (speeds[k] - dq[k])
+        readings = Readings(times[k], *at_rest, q[k], dq[k], tau[k], None)
+        tau[k] = excitation.command(times[k], readings).tau
         for _ in range(steps):
             sent.append(tau[k])
             data.ctrl[:] = (1 - part) * sent[-1 - whole] + part * sent[-2 - whole]

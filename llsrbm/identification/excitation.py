@@ -17,7 +17,7 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
 from llsrbm.identification.log import EXCITATION
-from llsrbm.player.posture import FirstPosture, Planned, gains
+from llsrbm.player.posture import FirstPosture, Planned
 from llsrbm.player.tier import Tier
 from llsrbm.robots import Robot
 from llsrbm.robots.drives import friction_torque
@@ -37,6 +37,8 @@ _APART = 0.03  # m between links
 _OF_APART = 0.5  # share of the distance in the default posture, where that is less
 _LESS, _TRIES = 0.8, 12  # of the amplitudes of joints that bring links near each other
 _FADE = 1.0  # s, at both ends
+_STIFF = 25.0  # rad/s at which a joint's own inertia swings on its loop, critically damped
+_MOST_TORQUE = 0.6  # of the drive's, whatever the readings are
 _SEEN = 800  # instants that are checked
 SHORTEST, LONGEST = 5.0, 600.0  # s
 
@@ -182,7 +184,12 @@ def _apart(found: Sines) -> Sines:
 
 
 class Excitation(Tier):
-    """Plays an excitation by the motors' gains, for a robot that hangs."""
+    """Plays an excitation on a robot that hangs, by torques alone.
+
+    Loops of the motors' own would close after a time that nobody knows: with 60 Nm/rad a quarter of
+    a millisecond is as much as a drive's damping. So the loops are closed here, softly, as commands
+    come late.
+    """
 
     name = EXCITATION
     summary = "sums of sines on every joint about the default posture, the robot hung"
@@ -192,7 +199,8 @@ class Excitation(Tier):
         self.sines = sines(robot, duration)
         first = _level(robot, self.sines.posture[None])[0]
         super().__init__(robot, FirstPosture(first, self.sines.weight))
-        self._gains = gains(robot)
+        inertia = np.diag(pin.crba(robot.model, robot.model.createData(), first))[6:]
+        self._kp, self._kd = _STIFF**2 * inertia, 2 * _STIFF * inertia
         self._planned = self.first.planned
 
     @property
@@ -202,10 +210,12 @@ class Excitation(Tier):
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
         """See `Tier`."""
-        del readings
         q, v, a = (each[0] for each in self.sines.at(np.array([time])))
         self._planned = Planned(q, self.first.planned.up)
-        return MotorCommand(q, v, _torque(self.robot, q, v, a), *self._gains)
+        torque = _torque(self.robot, q, v, a)
+        torque += self._kp * (q - readings.q) + self._kd * (v - readings.dq)
+        most = _MOST_TORQUE * self.robot.torque_limit
+        return MotorCommand.of_torque(np.clip(torque, -most, most))
 
     def planned(self, time: float) -> Planned:
         """See `Tier`."""
