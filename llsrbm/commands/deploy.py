@@ -26,7 +26,7 @@ _SHOWN = 3  # first commands of a dry run
 
 
 class _Ready(NamedTuple):
-    """What is played: a name, the robot, what makes its tier anew, and refuses what must not be."""
+    """A play: its name, its robot, what makes its tier anew, and what refuses it."""
 
     name: str
     robot: Robot

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def identify_command(
     log: Annotated[
-        Path, typer.Argument(metavar="LOG", help="Of a robot in the air: .csv, or a play's .mcap.")
+        Path, typer.Argument(metavar="LOG", help="A robot in the air: .csv, or a play's .mcap.")
     ],
     robot: options.Robot,
     out: Annotated[

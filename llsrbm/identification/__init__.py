@@ -1,4 +1,4 @@
-"""What a robot's drives are, from a log of its joints in the air: rotors, friction, damping, delay.
+"""Drives from a log of joints in the air: rotors, friction, damping, delay.
 
 log = read_log(Path("hung.csv"), robot)
 found = identify(robot, log)

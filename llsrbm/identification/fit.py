@@ -64,7 +64,7 @@ class JointDrive:
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """What a log says of a robot's drives.
+    """Drives of a robot as a log shows them.
 
     Attributes:
         joints: joint name -> its drive; undetermined: of the others, why.

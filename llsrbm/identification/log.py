@@ -3,7 +3,7 @@
 CSV: a row a command, with columns `time` (s) and of each joint `q:NAME` (rad), `dq:NAME` (rad/s)
 and `tau:NAME` (Nm, as commanded, held until the next row); with the base's inertial unit also
 `gyro:x|y|z` (rad/s) and `acceleration:x|y|z` (m/s2, +9.81 along z at rest), base frame.
-MCAP: the player's own log. Of an excitation all of it, of a plan what was played in free fall.
+MCAP: the player's own log, all of an excitation; of a played plan only its free fall enters.
 """
 
 from __future__ import annotations
