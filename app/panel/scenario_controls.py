@@ -124,7 +124,7 @@ PUSH: tuple[Field[Scenario], ...] = (
 DISTURBANCE: tuple[Field[Scenario], ...] = (
     Field(
         "Disturb",
-        "Vary trunk mass, friction, contacts, delay and noise, unknown to the controller",
+        "Vary trunk mass, friction, contacts, drives, delay and noise, unknown to the controller",
         get=lambda scenario: scenario.seed is not None,
         put=_with_seed,
     ),
