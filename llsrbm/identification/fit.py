@@ -34,7 +34,7 @@ NAMES = ("armature", "friction", "damping")
 _FIRST = 0.003  # s, standard deviation of the first filter
 # Of the second; of each joint the longest that leaves enough, as noise falls with its power 1.5.
 _SECOND = (0.02, 0.014, 0.01, 0.007)
-_CUT = 5.0  # standard deviations at which filters end
+_CUT = 8.0  # standard deviations at which filters end: at 5 a second derivative sees positions
 _SLOW = 0.7 * STILL  # share of the speed limit below which friction is not known
 _TURNS = 0.02  # s before and after, in which a joint that turns about has any friction
 _LEAKS = 0.05  # share of what must not enter, that a filter may see
@@ -68,7 +68,8 @@ class Identified:
 
     Attributes:
         joints: joint name -> its drive; undetermined: of the others, why.
-        delay, delay_error: s from a command until its torque acts.
+        delay, delay_error: s from a command until its torque acts, as the log's speeds show it.
+        speed_lag: s by which these are behind the change of its positions, part of the delay.
         time: (K,) s; measured, modelled: (K, J) Nm of all joints, NaN of those not determined.
     """
 
@@ -77,6 +78,7 @@ class Identified:
     undetermined: dict[str, str]
     delay: float
     delay_error: float
+    speed_lag: float
     time: Array
     measured: Array
     modelled: Array
@@ -116,8 +118,9 @@ def identify(robot: Robot, log: Log) -> Identified:
         log,
         joints,
         undetermined,
-        delay - log.sent_after,
+        delay + signals.lead - log.sent_after,
         delay_error,
+        signals.speed_lag,
         signals.time,
         measured,
         modelled,
@@ -130,8 +133,13 @@ class _Signals:
     def __init__(self, robot: Robot, log: Log) -> None:
         self.robot, self.log, self.period = robot, log, log.period
         self.time: Array = log.period * np.arange(len(log.q), dtype=np.float64)
-        self.q, self.dq = self._first(log.q), self._first(log.dq)
-        self.ddq = self._first(log.dq, 1)
+        self.q, self.dq, self.ddq = self._first(log.q), self._first(log.dq), self._first(log.dq, 1)
+        self.speed_lag = self._speed_lag()
+        if self._positions_are_better():
+            self.dq, self.ddq = self._first(log.q, 1), self._first(log.q, 2)
+            self.lead = self.speed_lag
+        else:
+            self.lead = 0.0
         self.sent, self.feedback = self._first(log.sent), self._first(log.feedback)
         self.direction = np.tanh(self.dq / (0.1 * STILL * robot.speed_limit))
         self.links = self._inverse_dynamics()
@@ -148,6 +156,30 @@ class _Signals:
     @property
     def _slow(self) -> Array:
         return _SLOW * self.robot.speed_limit
+
+    def _speed_lag(self) -> float:
+        """S by which the log's speeds are behind the change of its positions."""
+        deviation = _SECOND[0] / self.period
+        dq, by_q = (smoothed(each, deviation) for each in (self.dq, self._first(self.log.q, 1)))
+        change = smoothed(self._first(self.log.q, 2), deviation)
+        inside = slice(round(_CUT * deviation), -round(_CUT * deviation))
+        spread = np.maximum(np.sum((change**2)[inside], axis=0), 1e-12)
+        lags = np.sum(((by_q - dq) * change)[inside], axis=0) / spread
+        return float(np.average(lags, weights=spread))
+
+    def _positions_are_better(self) -> bool:
+        """Whether accelerations from positions have less noise than those from speeds."""
+        deviation = _SECOND[0] / self.period
+        # Of white noise of a row, the share in a Gaussian's second and first derivative.
+        shares = (
+            np.sqrt(0.75) / deviation**2 / self.period**2,
+            np.sqrt(0.5) / deviation / self.period,
+        )
+        noise = [
+            np.median(np.std(np.diff(each, n=3, axis=0), axis=0))
+            for each in (self.log.q, self.log.dq)
+        ]
+        return bool(noise[0] * shares[0] < noise[1] * shares[1])
 
     def _first(self, values: Array, derivative: int = 0) -> Array:
         return smoothed(values, _FIRST / self.period, derivative) / self.period**derivative

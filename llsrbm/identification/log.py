@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +36,7 @@ _SLOWEST = 0.01  # s between rows: rotors show in what is faster than slow swing
 _GAP = 3.0  # periods without a row, within which joints may do anything
 _FREE_FALL = 0.3 * GRAVITY  # m/s2 that an inertial unit shows in flight, at most
 _AXES = "xyz"
+_EXPECTED = "expected a log of `llsrbm deploy`"
 _TOPICS = ("/play", "/command", "/readings")
 
 
@@ -135,15 +137,16 @@ def _read_mcap(path: Path, robot: Robot) -> Log:
     about, rows = _messages(path)
     of_tick = [row for row in rows if row.keys() >= set(_TOPICS)]
     if not of_tick:
-        raise FileFormatError(
-            f"{path}: no commands with readings; expected a log of `llsrbm deploy`"
-        )
+        raise FileFormatError(f"{path}: no commands with readings; {_EXPECTED}")
     joints = robot.joint_names
-    if set(of_tick[0]["/readings"]["q"]) != set(joints):
+    if set(of_tick[0]["/readings"].get("q", ())) != set(joints):
         raise FileFormatError(f"{path}: expected a log of {robot.name}, got another robot's joints")
 
     def columns(topic: str, name: str, parts: Sequence[str]) -> Array:
-        return np.array([[row[topic][name][part] for part in parts] for row in of_tick])
+        try:
+            return np.array([[row[topic][name][part] for part in parts] for row in of_tick])
+        except (KeyError, TypeError) as reason:
+            raise FileFormatError(f"{path}: {topic} without {name}; {_EXPECTED}") from reason
 
     q, dq = (columns("/readings", name, joints) for name in ("q", "dq"))
     command = {name: columns("/command", name, joints) for name in ("q", "dq", "tau", "kp", "kd")}
@@ -152,17 +155,12 @@ def _read_mcap(path: Path, robot: Robot) -> Log:
     if about.get("tier") != EXCITATION:  # feet stand
         playing &= np.linalg.norm(acceleration, axis=1) < _FREE_FALL
     kp, kd = command["kp"], command["kd"]
+    measured = {"q": q, "dq": dq, "feedback": kp * q + kd * dq}
     return _evenly(
         path,
         columns("/play", "robot_time", ["time"])[:, 0],
         command["tau"] + kp * command["q"] + kd * command["dq"],
-        {
-            "q": q,
-            "dq": dq,
-            "feedback": kp * q + kd * dq,
-            "gyro": gyro,
-            "acceleration": acceleration,
-        },
+        {**measured, "gyro": gyro, "acceleration": acceleration},
         playing,
         1e-3 * float(np.median(columns("/play", "computing", ["time"]))),
     )
@@ -181,9 +179,9 @@ def _messages(path: Path) -> tuple[dict[str, str], list[dict[str, Any]]]:
             for _, channel, message in reader.iter_messages(topics=_TOPICS):
                 content = json.loads(message.data)
                 rows.setdefault(message.log_time, {})[channel.topic] = content
-    except (OSError, McapError, ValueError) as reason:
+    except (OSError, McapError, ValueError, EOFError, struct.error) as reason:
         raise FileFormatError(
-            f"{path}: cannot be read ({printable(str(reason))}); expected a log of `llsrbm deploy`"
+            f"{path}: cannot be read ({printable(str(reason))}); {_EXPECTED}"
         ) from reason
     return about, [rows[time] for time in sorted(rows)]
 

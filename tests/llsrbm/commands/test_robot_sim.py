@@ -38,6 +38,11 @@ def test_its_lines(capfd):
     assert out[-1] == "touched   nothing but feet touched anything"
 
 
+def test_it_hangs(capfd):
+    assert run("--hung", "--duration", "0.1") == 0
+    assert capfd.readouterr().out.startswith("Unitree Go2 hangs, interface lo, domain ")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -41,6 +41,19 @@ def test_it_stands_still_until_commands_arrive(name):
     assert simulated.heard == 0
 
 
+def test_a_hung_robot_stays_where_it_is_whatever_its_legs_do():
+    simulated, still = SimulatedRobot(GO2, AT_ONCE, hung=True), np.zeros(JOINTS)
+    base = simulated.world.state()[0][:7]
+    for k in range(200):
+        swing = GO2.posture[7:] + 0.3 * np.sin(0.05 * k)
+        simulated.send(MotorCommand(swing, still, still, still + 60.0, still + 3.0))
+        assert not simulated.tick().contact.any()
+    q, v = simulated.world.state()
+    assert np.abs(q[7:] - GO2.posture[7:]).max() > 0.05
+    assert q[:7] == pytest.approx(base, abs=1e-5)
+    assert np.abs(v[:6]).max() < 1e-4
+
+
 def test_standing_torques_leave_the_ground_to_carry_the_weight():
     """Against Pinocchio: no joint accelerates if the feet push as the torques demand."""
     torque = standing_torque(GO2, GO2.posture)

@@ -1,0 +1,94 @@
+"""Drives of logs that are known exactly, of simulated robots, and of logs that do not tell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.identify import GOALS, errors, hidden, recorded
+from llsrbm.errors import InputError
+from llsrbm.identification import identify
+from tests.llsrbm.identification.synthetic import (
+    ARMATURE,
+    DAMPING,
+    DELAY,
+    FRICTION,
+    GO2,
+    synthetic_log,
+)
+
+
+@pytest.fixture(scope="module")
+def log():
+    return synthetic_log()
+
+
+@pytest.fixture(scope="module")
+def found(log):
+    return identify(GO2, log)
+
+
+def numbers(found):
+    return np.array([[getattr(drive, name) for name in GOALS] for drive in found.joints.values()])
+
+
+def test_an_exact_log_gives_its_numbers(found):
+    assert list(found.joints) == list(GO2.joint_names)
+    assert not found.undetermined
+    truth = np.column_stack([ARMATURE, FRICTION, DAMPING])
+    assert numbers(found) == pytest.approx(truth, rel=0.02)
+    assert found.delay == pytest.approx(DELAY, abs=2e-5)
+    assert abs(found.speed_lag) < 1e-5
+
+
+def test_modelled_torques_are_those_measured(found):
+    inside = slice(1000, -1000)
+    off = (found.measured - found.modelled)[inside]
+    assert np.sqrt(np.mean(off**2)) < 0.1 * np.std(found.measured[inside])
+
+
+def test_all_numbers_scale_with_the_torque(log, found):
+    """Twice the torque on links twice as heavy: the same motion, twice of everything."""
+    model = GO2.model.copy()
+    for body in model.inertias:
+        body.mass *= 2
+        body.inertia = 2 * body.inertia
+    double = identify(replace(GO2, model=model), replace(log, sent=2 * log.sent))
+    assert numbers(double) == pytest.approx(2 * numbers(found), rel=1e-3)
+    assert double.delay == pytest.approx(found.delay, abs=1e-7)
+
+
+def test_what_motors_take_by_their_own_gains_is_not_delayed(log, found):
+    taken = 2.0 * log.q + 0.1 * log.dq
+    sent = log.sent + ahead(taken, DELAY + log.period / 2, log.period)
+    again = identify(GO2, replace(log, sent=sent, feedback=taken))
+    assert numbers(again) == pytest.approx(numbers(found), rel=0.02)
+
+
+def ahead(values, by, period):
+    """Values (K, J) as they are `by` s later."""
+    times = period * np.arange(len(values))
+    return np.column_stack([np.interp(times + by, times, each) for each in values.T])
+
+
+def test_joints_that_rest_are_not_told(log):
+    still = synthetic_log(moving=slice(0, 6))
+    found = identify(GO2, still)
+    assert list(found.joints) == list(GO2.joint_names[:6])
+    assert set(found.undetermined) == set(GO2.joint_names[6:])
+    assert set(found.undetermined.values()) == {"it does not move"}
+    with pytest.raises(
+        InputError, match=r"synthetic.csv: no joint's drive .*FL_hip_joint: it does"
+    ):
+        identify(GO2, synthetic_log(moving=slice(0, 0)))
+
+
+def test_hidden_drives_of_a_simulated_robot():
+    drives = hidden(GO2, 40)
+    found = identify(GO2, recorded(drives, 20.0, 500, 40))
+    assert not found.undetermined
+    off = errors(drives, found)
+    assert all(off[name] < goal for name, goal in GOALS.items()), off
+    assert abs(found.delay - drives.delay) < 1e-4
+    drive = found.joints["FL_calf_joint"]
+    assert 0 < drive.armature_error < 0.05 * drive.armature
