@@ -65,6 +65,7 @@ def _result(found: Identified, robot: Robot) -> dict[str, Any]:
         "base": "held" if found.log.gyro is None else "inertial unit",
         "delay_s": found.delay,
         "delay_s_error": found.delay_error,
+        "speed_lag_s": found.speed_lag,
         "joints": {name: vars(drive) for name, drive in found.joints.items()},
         "undetermined": found.undetermined,
     }

@@ -86,6 +86,11 @@ class Identified:
 
 def identify(robot: Robot, log: Log) -> Identified:
     """The drives of a robot from a log. Raises `InputError`: it determines no joint."""
+    if not log.usable.any():
+        raise InputError(
+            f"{log.name}: nothing in it is of joints in the air; expected a log of `llsrbm deploy "
+            "--excite`, or a flight"
+        )
     signals = _Signals(robot, log)
     columns: list[_Column] = []
     undetermined: dict[str, str] = {}
