@@ -36,6 +36,7 @@ _FIRST = 0.003  # s, standard deviation of the first filter
 _SECOND = (0.02, 0.014, 0.01, 0.007)
 _CUT = 8.0  # standard deviations at which filters end: at 5 a second derivative sees positions
 _SLOW = 0.7 * STILL  # share of the speed limit below which friction is not known
+_FAST = 2.0  # times that: reached by a tenth of what is used, or the joint creeps against stiction
 _TURNS = 0.02  # s before and after, in which a joint that turns about has any friction
 _LEAKS = 0.05  # share of what must not enter, that a filter may see
 _AT_STOP = 0.01  # rad or m
@@ -148,18 +149,19 @@ class _Signals:
         self.sent, self.feedback = self._first(log.sent), self._first(log.feedback)
         self.direction = np.tanh(self.dq / (0.1 * STILL * robot.speed_limit))
         self.links = self._inverse_dynamics()
-        self.moving = np.abs(self.dq).max(axis=0) > self._slow
+        self.moving = np.abs(self.dq).max(axis=0) > self.slow
         # What must not enter: joints that turn about, stops, full torque, gaps.
         window = 2 * round(_TURNS / log.period) + 1
         lowest, highest = (f(self.dq, window, axis=0) for f in (minimum_filter1d, maximum_filter1d))
         lower, upper = robot.joint_stops
-        self.out = (lowest < self._slow) & (highest > -self._slow)
+        self.out = (lowest < self.slow) & (highest > -self.slow)
         self.out |= (log.q < lower + _AT_STOP) | (log.q > upper - _AT_STOP)
         self.out |= np.abs(log.sent - log.feedback) > _SATURATED * robot.torque_limit
         self.out |= ~log.usable[:, None]
 
     @property
-    def _slow(self) -> Array:
+    def slow(self) -> Array:
+        """(J,) rad/s below which friction is not known."""
         return _SLOW * self.robot.speed_limit
 
     def _speed_lag(self) -> float:
@@ -316,6 +318,9 @@ def _column(signals: _Signals, joint: int) -> _Column | str:
             break
     if found.independent < _LEAST:
         return "it rests, turns about or is at a limit all the time"
+    fast = float(np.quantile(np.abs(found.X[:, 2]), 0.9))
+    if fast < _FAST * signals.slow[joint]:
+        return f"it hardly moves faster than a joint that sticks, {fast:.2g} rad/s"
     scaled = found.X / np.linalg.norm(found.X, axis=0)
     if np.linalg.cond(scaled) > _ALIKE:
         return "its motion does not tell armature, friction and damping apart"
