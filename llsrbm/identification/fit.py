@@ -35,10 +35,13 @@ _FIRST = 0.003  # s, standard deviation of the first filter
 # Of the second; of each joint the longest that leaves enough, as noise falls with its power 1.5.
 _SECOND = (0.02, 0.014, 0.01, 0.007)
 _CUT = 8.0  # standard deviations at which filters end: at 5 a second derivative sees positions
-_SLOW = 0.7 * STILL  # share of the speed limit below which friction is not known
+_SLOW = STILL  # share of the speed limit below which friction is not known
 _FAST = 2.0  # times that: reached by a tenth of what is used, or the joint creeps against stiction
 _TURNS = 0.02  # s before and after, in which a joint that turns about has any friction
 _LEAKS = 0.05  # share of what must not enter, that a filter may see
+# s by which a simulator's speeds are behind its positions: half of a step of up to a millisecond.
+# Then speeds tell when a torque acts. Of later speeds a drive's filter is the reason: positions do.
+_HALF_STEP = 6e-4
 _AT_STOP = 0.01  # rad or m
 _SATURATED = 0.97  # share of the torque limit
 _OUTLIER = 5.0  # robust standard deviations: links or ropes touched
@@ -69,8 +72,8 @@ class Identified:
 
     Attributes:
         joints: joint name -> its drive; undetermined: of the others, why.
-        delay, delay_error: s from a command until its torque acts, as the log's speeds show it.
-        speed_lag: s by which these are behind the change of its positions, part of the delay.
+        delay, delay_error: s from a command until its torque acts.
+        speed_lag: s by which the log's speeds are behind the change of its positions.
         time: (K,) s; measured, modelled: (K, J) Nm of all joints, NaN of those not determined.
     """
 
@@ -143,9 +146,9 @@ class _Signals:
         self.speed_lag = self._speed_lag()
         if self._positions_are_better():
             self.dq, self.ddq = self._first(log.q, 1), self._first(log.q, 2)
-            self.lead = self.speed_lag
+            self.lead = self.speed_lag if self.speed_lag < _HALF_STEP else 0.0
         else:
-            self.lead = 0.0
+            self.lead = 0.0 if self.speed_lag < _HALF_STEP else -self.speed_lag
         self.sent, self.feedback = self._first(log.sent), self._first(log.feedback)
         self.direction = np.tanh(self.dq / (0.1 * STILL * robot.speed_limit))
         self.links = self._inverse_dynamics()

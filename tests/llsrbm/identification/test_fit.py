@@ -83,6 +83,14 @@ def test_joints_that_rest_are_not_told(log):
         identify(GO2, synthetic_log(moving=slice(0, 0)))
 
 
+def test_speeds_that_a_filter_makes_late_do_not_make_the_delay_longer(log, found):
+    differences = np.vstack([log.dq[:1], np.diff(log.q, axis=0) / log.period])
+    again = identify(GO2, replace(log, dq=differences))
+    assert again.speed_lag == pytest.approx(log.period / 2, abs=1e-5)
+    assert again.delay == pytest.approx(found.delay, abs=1e-5)
+    assert numbers(again) == pytest.approx(numbers(found), rel=0.01)
+
+
 def test_hidden_drives_of_a_simulated_robot():
     drives = hidden(GO2, 40)
     found = identify(GO2, recorded(drives, 20.0, 500, 40))
