@@ -35,7 +35,7 @@ def test_it_prints_and_writes_what_it_finds(log, tmp_path, capfd):
     assert picture.stat().st_size > 10_000
 
     text = out.read_text()
-    assert "from hung.csv," in text
+    assert "from hung.csv, for a robot file" in text
     assert str(tmp_path) not in text
     assert "Not in the log: RR_calf_joint, it does not move." in text
     drives = JointDrives.model_validate(with_tuples(tomllib.loads(text)["drives"]))

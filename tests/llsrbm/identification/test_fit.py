@@ -88,7 +88,7 @@ def test_speeds_that_a_filter_makes_late_do_not_make_the_delay_longer(log, found
     again = identify(GO2, replace(log, dq=differences))
     assert again.speed_lag == pytest.approx(log.period / 2, abs=1e-5)
     assert again.delay == pytest.approx(found.delay, abs=1e-5)
-    assert numbers(again) == pytest.approx(numbers(found), rel=0.01)
+    assert numbers(again) == pytest.approx(numbers(found), rel=0.05)
 
 
 def test_hidden_drives_of_a_simulated_robot():
