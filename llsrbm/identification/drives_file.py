@@ -12,8 +12,8 @@ from llsrbm.identification.fit import NAMES, Identified
 def drives_table(found: Identified) -> str:
     """TOML, with standard errors and the log's name in comments."""
     lines = [
-        f"# By `llsrbm identify` from {found.log.name}, for a robot file's [drives]; numbers of joints",
-        "# go before those of their limbs.",
+        f"# By `llsrbm identify` from {found.log.name}, for a robot file's [drives];",
+        "# numbers of joints go before those of their limbs.",
         "# kg m2, Nm, Nm s/rad (kg, N, N s/m of joints that slide), s; +- standard errors.",
         *(f"# Not in the log: {name}, {why}." for name, why in found.undetermined.items()),
         "[drives]",
