@@ -72,7 +72,7 @@ class Identified:
 
     Attributes:
         joints: joint name -> its drive; undetermined: of the others, why.
-        delay, delay_error: s from a command until its torque acts.
+        delay, delay_error: s from a row's time until the torque acts that is commanded in it.
         speed_lag: s by which the log's speeds are behind the change of its positions.
         time: (K,) s; measured, modelled: (K, J) Nm of all joints, NaN of those not determined.
     """
@@ -127,7 +127,7 @@ def identify(robot: Robot, log: Log) -> Identified:
         log,
         joints,
         undetermined,
-        delay + signals.lead - log.sent_after,
+        delay + signals.lead,
         delay_error,
         signals.speed_lag,
         signals.time,

@@ -47,8 +47,7 @@ class Log:
     Attributes:
         name: the file's, without its folder; period: s between rows.
         q, dq: (K, J) rad, rad/s as measured.
-        sent: (K, J) Nm, what of the commanded torque comes with each command, `sent_after` s after
-            its row, and is held until the next.
+        sent: (K, J) Nm, what of the commanded torque comes with each command, held until the next.
         feedback: (K, J) Nm, what motors take off it by gains of their own, at once.
         gyro, acceleration: (K, 3) rad/s, m/s2, the base's inertial unit; None: held and level.
         usable: (K,) whether a row is of joints in the air, and rows around it are there.
@@ -63,7 +62,6 @@ class Log:
     usable: NDArray[np.bool_]
     gyro: Array | None = None
     acceleration: Array | None = None
-    sent_after: float = 0.0
 
 
 def read_log(path: Path, robot: Robot) -> Log:
@@ -162,7 +160,6 @@ def _read_mcap(path: Path, robot: Robot) -> Log:
         command["tau"] + kp * command["q"] + kd * command["dq"],
         {**measured, "gyro": gyro, "acceleration": acceleration},
         playing,
-        1e-3 * float(np.median(columns("/play", "computing", ["time"]))),
     )
 
 
@@ -192,7 +189,6 @@ def _evenly(
     sent: Array,
     measured: dict[str, Array],
     usable: NDArray[np.bool_],
-    sent_after: float = 0.0,
 ) -> Log:
     """The log with rows evenly spaced: what is measured between rows, what is held as it was."""
     late = np.flatnonzero(np.diff(time) <= 0)
@@ -220,4 +216,4 @@ def _evenly(
         for name, values in measured.items()
         if values.shape[1]
     }
-    return Log(path.name, period, sent=sent[before], usable=there, sent_after=sent_after, **columns)
+    return Log(path.name, period, sent=sent[before], usable=there, **columns)
