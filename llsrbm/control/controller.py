@@ -18,6 +18,7 @@ from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.take_off import TakeOff
+from llsrbm.control.unmodelled import Unmodelled
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
@@ -74,6 +75,7 @@ class WholeBodyController:
         friction = settings.friction * (plan.friction / robot.file.limits.friction)
         self._dynamics = InverseDynamics(body, friction, scenario.solver, self._tick)
         self._delay = DelayEstimate(self._tick, robot.drive_delay)
+        self._unmodelled = Unmodelled(self._tick, body.velocities)
         self._joints, self._links = JointBounds(robot), LinkBounds(robot)
         self._reference = self.reference_of(plan)
         self.detector = make_detector(scenario.detector, self._tick, model_uncertainty(robot.file))
@@ -128,6 +130,7 @@ class WholeBodyController:
         """
         body, contacts = self._body, self.contacts
         self._delay.measured(measurement.torque)
+        self._unmodelled.measured(measurement.v, self._delay.acted(), contacts.standing)
         if not contacts.flying:
             measurement = self._delay.met(measurement, body)
         time = measurement.time
@@ -241,6 +244,7 @@ class WholeBodyController:
             self._joints.accelerations(body),
             self._links.rows(body),
             friction_torque(self._robot, body.v[6:]),
+            self._unmodelled.acceleration,
         )
 
     def _weight_carried(self, feet: Feet) -> Array:

@@ -54,6 +54,15 @@ class DelayEstimate:
             self._misses += np.abs(torque - come).sum(axis=1)
             self.ticks = int(self._misses.argmin())
 
+    def acted(self) -> Array | None:
+        """(n,) the accelerations for which the torques of the tick that ended were; None: unknown."""
+        late = self._whole + self.ticks
+        if len(self._sent) < late + 2:
+            return None
+        newer, older = self._sent[late].acceleration, self._sent[late + 1].acceleration
+        mixed: Array = (1 - self._part) * newer + self._part * older
+        return mixed
+
     def met(self, measurement: Measurement, body: WholeBody) -> Measurement:
         """The state in which the command of this tick will begin to act, as far as is known.
 

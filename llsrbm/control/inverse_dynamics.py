@@ -88,6 +88,7 @@ class InverseDynamics:
         accelerations: tuple[Array, Array] | None = None,
         apart: tuple[Array, Array] | None = None,
         friction: Array | float = 0.0,
+        unmodelled: Array | float = 0.0,
     ) -> Command:
         """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
@@ -101,7 +102,7 @@ class InverseDynamics:
         pushing: NDArray[np.bool_] | slice = slice(None) if contact.all() else contact
         J = body.contact_jacobian[pushing].reshape(-1, n)
         qp = self._program(len(J) // 3)
-        self._set_costs(qp, tasks, target, force[pushing].ravel(), force_weight)
+        self._set_costs(qp, tasks, target, force[pushing].ravel(), force_weight, unmodelled)
         qp.A[:, :n] = M[:_BASE]
         np.negative(J[:, :_BASE].T, out=qp.A[:, n:])
         np.negative(h[:_BASE], out=qp.b)
@@ -121,7 +122,7 @@ class InverseDynamics:
             return self._unsolved_command(torque_limits)
         forces = np.zeros((len(contact), 3))
         forces[pushing] = x[n:].reshape(-1, 3)
-        self._last = Command(torques.dot(x) + resisting, x[:n], forces, solved=True)
+        self._last = Command(torques.dot(x) + resisting, x[:n] + unmodelled, forces, solved=True)
         self._unsolved = 0
         return self._last
 
@@ -155,6 +156,7 @@ class InverseDynamics:
         target: Target,
         force: Array,
         force_weight: float,
+        unmodelled: Array | float,
     ) -> None:
         body, n = self._body, self._n
         active = [(task, weight) for task, weight in tasks if weight > 0]
@@ -168,6 +170,8 @@ class InverseDynamics:
             row = block.stop
         weighted = A.T * W
         qp.H[:n, :n] = weighted.dot(A)
+        if isinstance(unmodelled, np.ndarray):
+            B -= A.dot(unmodelled)
         np.negative(weighted.dot(B), out=qp.g[:n])
         diagonal = qp.H.reshape(-1)[:: len(qp.g) + 1]
         diagonal[:n] += _REGULARISATION
