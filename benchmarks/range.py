@@ -125,7 +125,8 @@ def torque_rms(plan: Any, rollout: Any) -> float:
     """RMS of simulated minus planned joint torque over the take-off, share of the limit."""
     limit = load_robot(plan.jump.robot).torque_limit
     order = [plan.joint_names.index(name) for name in rollout.joint_names]
-    ticks = rollout.time < plan.lift_off
+    # A tick that begins at lift-off has the flight's torques.
+    ticks = rollout.time < plan.lift_off - rollout.time[1] / 2
     knot = np.searchsorted(plan.time, rollout.time[ticks], side="right") - 1
     error = (rollout.torque[ticks] - plan.joint_torque[knot][:, order]) / limit[order]
     return float(np.sqrt(np.mean(error**2)))

@@ -166,12 +166,12 @@ class InverseDynamics:
         for task, weight in active:
             block = slice(row, row + task.rows)
             task.write(body, target, A[block], B[block])
+            if isinstance(unmodelled, np.ndarray) and task.moves:
+                B[block] -= A[block].dot(unmodelled)
             W[block] = weight
             row = block.stop
         weighted = A.T * W
         qp.H[:n, :n] = weighted.dot(A)
-        if isinstance(unmodelled, np.ndarray):
-            B -= A.dot(unmodelled)
         np.negative(weighted.dot(B), out=qp.g[:n])
         diagonal = qp.H.reshape(-1)[:: len(qp.g) + 1]
         diagonal[:n] += _REGULARISATION

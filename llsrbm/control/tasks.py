@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -40,6 +40,7 @@ class Task(ABC):
     """
 
     rows: int
+    moves: ClassVar[bool] = True  # False: the ground holds what it is about, whatever joints do
 
     def __init__(self, gains: tuple[float, float]) -> None:
         self._stiffness, self._damping = gains
@@ -223,6 +224,8 @@ class StandingFeet(Task):
 
     Some damping brings feet back that bounce, and soles to lie flat; much of it fights the impact.
     """
+
+    moves = False
 
     def __init__(self, feet: Sequence[int], points: int, damping: float) -> None:
         super().__init__((0.0, damping))

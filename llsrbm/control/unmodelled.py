@@ -1,48 +1,50 @@
-"""Accelerations that come beside those that commands were made for.
+"""Accelerations that come beside those that commands were made for, while feet stand.
 
-Rotors that are heavier than a file says, friction that is more or less, stiction: they move joints and
-base, tick after tick, to the same side. What is measured less what the acting commands expected,
+Rotors that are heavier than a file says, friction that is more or less, stiction: they move joints
+and base, tick after tick, to the same side. What is measured less what was expected of the commands
+that acted,
 
-    d += (dv/dt - a_expected) / `MEMORY` dt,    a_expected = a of the program + d,
+    d += (dv/dt - a_expected) dt / `MEMORY`,    a_expected = a of the program + d,
 
 is what the next program leaves out of what it asks for: the integral part of the tasks' feedback.
-Unlike integrated errors d does not grow while drives or friction cannot give what is wanted.
+Unlike integrated errors d does not grow while drives or friction cannot give what is wanted. Feet
+that stand are held by the ground and leave out nothing. In flight drives are near their limits, and
+d made feet miss their places by as much again: there is none.
 """
 
 from __future__ import annotations
-
-import os
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-MEMORY = float(os.environ.get("OBS", "0.03"))  # s; in less, noise of measured velocities comes through
-SETTLING = float(os.environ.get("SETTLE", "0.05"))  # s after feet have landed or left, in which contacts decide
-MOST=float(os.environ.get("MOSTOBS","1e9"))
+MEMORY = 0.03  # s; in less, noise of measured velocities comes through
+SETTLING = 0.05  # s after feet have landed or left, in which impacts decide
+
 
 class Unmodelled:
-    """d (n,) rad/s2 or m/s2, by the ticks of a controller, s."""
+    """`acceleration`: d (n,), m/s2 and rad/s2; `tick`: of the controller, s."""
 
     def __init__(self, tick: float, velocities: int) -> None:
         self._tick = tick
         self._last: Array | None = None  # (n,) measured velocities
-        self._standing: bytes = b""
-        self._wait = 0
+        self._standing: bytes | None = None
+        self._settling = 0  # ticks
         self.acceleration = np.zeros(velocities)
 
     def measured(self, v: Array, expected: Array | None, standing: NDArray[np.bool_]) -> None:
-        """Take velocities (n,), measured as a tick ends, accelerations (n,) that were expected of
-        it, None: unknown, and which feet (L,) stand.
+        """Take velocities (n,), measured as a tick ends; accelerations (n,) that were expected in
+        it, None: unknown; and which feet (L,) stand.
         """
         last, self._last = self._last, v
-        if (now := standing.tobytes()) != self._standing:
-            if self._standing: self._wait = round(SETTLING / self._tick)
-            self._standing = now
-            self.acceleration = np.zeros_like(self.acceleration)
-        if self._wait:
-            self._wait -= 1
-        elif last is not None and expected is not None:
+        if standing.tobytes() != self._standing:
+            if self._standing is not None:
+                self._settling = round(SETTLING / self._tick)
+            self._standing = standing.tobytes()
+            self.acceleration = np.zeros_like(v)
+        if self._settling:
+            self._settling -= 1
+        elif standing.any() and last is not None and expected is not None:
             beside = (v - last) / self._tick - expected
             self.acceleration = self.acceleration + self._tick / MEMORY * beside
