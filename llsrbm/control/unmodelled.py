@@ -1,8 +1,8 @@
 """Accelerations that come beside those that commands were made for, while feet stand.
 
 Rotors that are heavier than a file says, friction that is more or less, stiction: they move joints
-and base, tick after tick, to the same side. What is measured less what was expected of the commands
-that acted,
+and base, tick after tick, to the same side. The difference between measured accelerations and those
+that were expected of the commands that acted,
 
     d += (dv/dt - a_expected) dt / `MEMORY`,    a_expected = a of the program + d,
 
