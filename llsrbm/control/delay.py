@@ -55,7 +55,7 @@ class DelayEstimate:
             self.ticks = int(self._misses.argmin())
 
     def acted(self) -> Array | None:
-        """(n,) the accelerations for which the torques of the tick that ended were; None: unknown."""
+        """(n,) the accelerations that were expected of the tick that ended; None: unknown."""
         late = self._whole + self.ticks
         if len(self._sent) < late + 2:
             return None
