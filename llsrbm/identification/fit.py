@@ -48,6 +48,7 @@ _OUTLIER = 5.0  # robust standard deviations: links or ropes touched
 _ENOUGH, _LEAST = 60.0, 25.0  # independent samples
 _ALIKE = 60.0  # condition number of columns of unit length
 _UNKNOWN = 0.3  # share of the armature; an error above it is no measurement
+_UNEXPLAINED = 0.08  # share of a drive's own torque; more is no drive's
 _DELAYS = (-0.004, 0.03)  # s
 _STEP = 5e-4  # s
 
@@ -112,7 +113,13 @@ def identify(robot: Robot, log: Log) -> Identified:
     for column in columns:
         name = robot.joint_names[column.joint]
         drive = column.drive(delay, delay_error)
-        if drive.armature_error > _UNKNOWN * drive.armature:
+        typical = float(np.std(column.torque(delay)))
+        if drive.residual > _UNEXPLAINED * typical:
+            undetermined[name] = (
+                f"{drive.residual:.2g} of {typical:.2g} Nm are not explained, as if links touched "
+                "or masses were others"
+            )
+        elif drive.armature_error > _UNKNOWN * drive.armature:
             undetermined[name] = (
                 f"its armature, {drive.armature:.2g} +- {drive.armature_error:.2g}, is not known "
                 "from so little acceleration"

@@ -83,6 +83,15 @@ def test_joints_that_rest_are_not_told(log):
         identify(GO2, synthetic_log(moving=slice(0, 0)))
 
 
+def test_torques_that_no_drive_has_are_told(log, found):
+    pulled = log.sent.copy()
+    pulled[:, 0] += 0.3 * np.sin(3.0 * log.period * np.arange(len(pulled)))  # a rope, say
+    again = identify(GO2, replace(log, sent=pulled))
+    assert set(again.undetermined) == {"FL_hip_joint"}
+    assert "Nm are not explained, as if links touched" in again.undetermined["FL_hip_joint"]
+    assert numbers(again) == pytest.approx(numbers(found)[1:], rel=1e-3)
+
+
 def test_speeds_that_a_filter_makes_late_do_not_make_the_delay_longer(log, found):
     differences = np.vstack([log.dq[:1], np.diff(log.q, axis=0) / log.period])
     again = identify(GO2, replace(log, dq=differences))
