@@ -65,7 +65,7 @@ class Designer:
         pool: WorkerPool | None = None,
         planner: PlannerFactory = LibraryPlanner,
         file: OpenedFile | None = None,  # with which every tab begins
-        atlases: Atlases | None = None,  # of sweeps to choose from; None: the one that ships
+        atlases: Atlases | None = None,  # of sweeps to choose from; None: what ships
     ) -> None:
         """Bind and let tabs in; raises as `serve`."""
         check_bindable(host, port)

@@ -212,25 +212,25 @@ def fit(
     robots: Robots = ROBOTS,
     onto_shipped: Annotated[bool, typer.Option("--onto-shipped")] = False,
 ) -> None:
-    shipped = json.loads((assets_directory() / "feasible.json").read_text(encoding="utf-8"))
+    path = assets_directory() / "feasible.json"
+    shipped = json.loads(path.read_text(encoding="utf-8")) if onto_shipped else {}
     names = robots.split(",")
     blocks, known = [], []
     for name in names:
         seeds, can, values = table(samples, name)
         mine = seeds < UNSEEN
         blocks.append((features(scaled(load_robot(name), values[mine])), can[mine]))
-        own = np.array(shipped[name]["weights"])
-        known.append(own if onto_shipped else np.zeros_like(own))
+        none = np.zeros(blocks[-1][0].shape[1])
+        known.append(np.array(shipped[name]["weights"]) if onto_shipped else none)
     weights = fitted(blocks, RIDGES, np.array(known))
     found = {
         name: {
             "robot": numbers_key(load_robot(name)),
-            "samples": len(can) + onto_shipped * shipped[name]["samples"],
+            "samples": len(can) + (shipped[name]["samples"] if onto_shipped else 0),
             "weights": [float(f"{w:.4g}") for w in row],
         }
         for name, (_, can), row in zip(names, blocks, weights, strict=True)
     }
-    path = assets_directory() / "feasible.json"
     lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(data)}" for name, data in found.items())
     path.write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
 

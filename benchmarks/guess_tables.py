@@ -6,8 +6,7 @@
 `--sweep` is a spec's name or file, or the folder of a sweep that is done; then only what was
 planned there is solved again. Each jump is followed by a second one that asks for one or two of its
 components alone, as most requests do. To be run after a change of a robot file, of the planner's
-constraints or costs, or of the version: until then tables are refused, and
-`tests/llsrbm/planning/solve/test_guess_table.py` fails.
+constraints or costs, or of the version: until then tables are refused with a warning.
 """
 
 from __future__ import annotations

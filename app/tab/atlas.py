@@ -53,7 +53,7 @@ class Atlases:
         self.names: tuple[str, ...] = (*self._read, BUILT_IN)  # to choose from, one at least
 
     def named(self, name: str) -> Atlas | None:
-        """The atlas of a name ("": the first) or None; `InputError`: the built-in one is bad."""
+        """The atlas of a name ("": the first) or None; `InputError`: the built-in one is none."""
         name = name or self.names[0]
         with self._lock:
             if name == BUILT_IN and name not in self._read:
@@ -158,7 +158,8 @@ class AtlasDrawing:
         try:
             atlas = self._atlases.named(state.atlas.sweep)
         except Error as error:
-            return str(error)
+            said = str(error)
+            return f"{said[:1].upper()}{said[1:]}."
         jumps = atlas and atlas.jumps_of(jump.robot, jump.model, jump.type)
         return jumps or f"This sweep has no jumps of {state.file.title}."
 

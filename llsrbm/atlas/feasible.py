@@ -7,7 +7,8 @@ range. The score of x is the logarithm of the odds that it can be planned,
 
 where phi are all products of up to `DEGREE` of the numbers of x that stay when left and right
 change places: twist and lateral together come an even number of times. The weights w of each robot
-were fitted to sampled jumps (`python -m benchmarks.feasible`) and ship in `assets/feasible.json`.
+are fitted to sampled jumps by `python -m benchmarks.feasible`, which writes `assets/feasible.json`.
+None ships at present: nothing is known of any robot.
 The second part is what was seen since: where a jump was planned, or refused, against the score.
 """
 
@@ -201,5 +202,7 @@ def _own_limits(robot: Robot) -> dict[str, float]:
 @cache
 def _file() -> dict[str, Any]:
     path = assets_directory() / "feasible.json"
+    if not path.exists():
+        return {}
     found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return found

@@ -47,8 +47,14 @@ _HALF = 0.5  # of a jump's seeds: if fewer land, the jump cannot be done
 
 
 def shipped_atlas() -> Path:
-    """The small file that ships, of `assets/sweeps/atlas.toml`."""
-    return assets_directory() / "atlas" / "jumps.npz"
+    """The small file that ships, of `assets/sweeps/atlas.toml`. Raises `InputError`: none does."""
+    path = assets_directory() / "atlas" / "jumps.npz"
+    if not path.exists():
+        raise InputError(
+            "no map of jumps ships at present; `llsrbm sweep atlas --out DIR` makes one, which "
+            "`llsrbm atlas DIR` draws and `llsrbm serve --atlas DIR` shows"
+        )
+    return path
 
 
 def read_atlas(path: Path) -> Atlas:

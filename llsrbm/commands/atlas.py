@@ -23,7 +23,8 @@ def atlas_command(
     sweep: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[DIR]", help="Folder of a sweep, or its table [default: the one that ships]."
+            metavar="[DIR]",
+            help="Folder of a sweep, or its table [default: the one built in].",
         ),
     ] = None,
     out: Annotated[
@@ -61,8 +62,7 @@ def atlas_command(
 ) -> int:
     """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
 
-    The one that ships is renewed by `llsrbm sweep atlas --out DIR`, then
-    `llsrbm atlas DIR --table assets/atlas/jumps.npz`.
+    None ships at present: `llsrbm sweep atlas --out DIR` makes one, `llsrbm atlas DIR` draws it.
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.atlas.colours import COLOURS

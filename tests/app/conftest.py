@@ -3,17 +3,22 @@ from __future__ import annotations
 import pytest
 
 from app.designer import Designer
+from app.tab.atlas import Atlases
 from llsrbm.look.visuals import link_visuals
 from llsrbm.robots import load_robot
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 from tests.app.shared_page import fresh, visit
+from tests.llsrbm.atlas.tables import grid, write
 
 
 @pytest.fixture(scope="session")
-def designer():
-    """A designer whose planner is quick and made up; tabs of it share nothing."""
-    running = Designer(port=0, token="none", planner=SyntheticPlanner)
+def designer(tmp_path_factory):
+    """A designer whose planner is quick and made up, its atlas too; tabs of it share nothing."""
+    sweep = tmp_path_factory.mktemp("sweep")
+    write(sweep / "jumps.parquet", grid(("anymal", "slider")))
+    atlases = Atlases([sweep])
+    running = Designer(port=0, token="none", planner=SyntheticPlanner, atlases=atlases)
     yield running
     running.close()
 

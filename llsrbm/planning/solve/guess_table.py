@@ -1,9 +1,9 @@
 """Tables of solutions: where a jump begins, if jumps around it were solved before.
 
-A file a robot ships in `assets/guesses`, made by `python -m benchmarks.guess_tables` of a sweep's
-jumps. It has their requests x (twist, forward, lateral, height), scaled to -1 ... 1 over what the
-robot's file allows, and of each the solver's variables and multipliers v. For a new request x the
-nearest K give, by a linear regression that is weighted by nearness,
+A file a robot in `assets/guesses`, made by `python -m benchmarks.guess_tables` of a sweep's jumps;
+none ships at present. It has their requests x (twist, forward, lateral, height), scaled to -1 ... 1
+over what the robot's file allows, and of each the solver's variables and multipliers v. For a new
+request x the nearest K give, by a linear regression that is weighted by nearness,
 
     v(x) = c0 + C (x_k - x)   with the least   sum_k exp(-(WIDTH d_k / d_K)^2) |v_k - v(x_k)|^2 ,
 
@@ -52,6 +52,7 @@ SCHEMA = "llsrbm.guesses/3"
 NUMBERS = (
     *("limits", "reach", "timing", "foot", "task", "planning"),
     *("mass", "com", "inertia", "feet", "base_position", "hips", "mirrors", "joint_names"),
+    *("armature", "joint_friction", "joint_damping"),
 )
 DIGITS = 6  # after the point, of a robot's numbers; computed ones differ from machine to machine
 
@@ -151,7 +152,7 @@ class GuessTable:
 
 
 class Guesses:
-    """The table that ships for a formulation, if there is one that fits; read when first used.
+    """The table that lies there for a formulation, if there is one that fits; read when first used.
 
     Attributes:
         formulation: for which.

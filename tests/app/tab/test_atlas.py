@@ -160,6 +160,14 @@ def test_limits_are_axes_with_the_robots_own_where_the_design_has_none(tmp_path)
     assert drawn.marks[-1][0] == 0.5
 
 
+def test_where_none_is_built_in_the_page_says_how_one_is_made():
+    drawn = Drawn(Atlases())
+    drawn.take(AtlasSeen())
+    assert drawn.maps == [None]
+    assert drawn.told.startswith("No map of jumps ships at present; `llsrbm sweep atlas")
+    assert drawn.drawing.opened(AtlasClicked(BUILT_IN, 0)) is None
+
+
 def test_sweeps_by_name(folder, tmp_path):
     atlases = Atlases([folder])
     assert atlases.names == (folder.name, BUILT_IN)

@@ -1,9 +1,12 @@
 import json
+import math
 
 import pytest
 from PIL import Image
 
 from llsrbm.cli import main
+from llsrbm.robots import load_robot
+from tests.llsrbm.atlas.classifiers import border, shipped
 from tests.llsrbm.atlas.tables import grid, row, write
 
 
@@ -59,13 +62,29 @@ def test_a_sweep_of_one_axis_has_no_map(tmp_path, capfd):
     assert "expected two axes" in capfd.readouterr().err
 
 
+def test_where_no_map_ships_one_line_says_how_one_is_made(capfd):
+    assert main(["atlas"]) == 2
+    told = capfd.readouterr().err
+    assert "`llsrbm sweep atlas --out DIR` makes one" in told
+    assert told.count("\n") == 1
+
+
+def test_of_robots_without_a_classifier_nothing_is_known(capfd):
+    assert main(["atlas", "--intervals", "--robot", "go2"]) == 0
+    assert "nothing is known of this robot" in capfd.readouterr().out
+
+
 def test_the_intervals_that_can_be_planned(capfd):
     weak = ["--at", "forward=0.2", "--at", "limit_torque_share=0.5"]
-    assert main(["atlas", "--intervals", "--robot", "go2", *weak, "--json"]) == 0
-    (found,) = json.loads(capfd.readouterr().out)["robots"].values()
+    with shipped(load_robot("go2")):
+        assert main(["atlas", "--intervals", "--robot", "go2", *weak, "--json"]) == 0
+        (found,) = json.loads(capfd.readouterr().out)["robots"].values()
+        assert main(["atlas", "--intervals", "--robot", "go2", *weak]) == 0
     assert set(found["intervals"]) == {"twist", "forward", "lateral", "height"}
     assert found["unknown"] == ""
-    assert main(["atlas", "--intervals", "--robot", "go2", *weak]) == 0
+    largest = border(0.5) * math.pi
+    (ends,) = found["intervals"]["twist"]
+    assert ends == pytest.approx((-largest, largest), rel=2e-3)
     assert "go2 twist" in capfd.readouterr().out
 
 

@@ -10,7 +10,9 @@ from app.tab.planning.feasible import Tint
 from app.workers.reports import Refused
 from llsrbm.atlas.feasible import feasible_of
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
 from tests.app.pure_tab import plan_of, planned_tab
+from tests.llsrbm.atlas.classifiers import shipped
 
 WEAK = Tuning(limits={"torque_share": 0.4})
 SLIDERS = {name: f"id of {name}" for name in ("twist", "forward", "lateral", "height")}
@@ -27,7 +29,9 @@ class Page:
 
 @pytest.fixture
 def tab():
-    return planned_tab()
+    """Of the robot of which alone something is known."""
+    with shipped(load_robot("anymal")):
+        yield planned_tab()
 
 
 @pytest.fixture
@@ -53,6 +57,18 @@ def test_tracks_are_sent_when_the_request_changes_and_only_then(tab, page):
         "chances": [],
         "text": "Which values can be planned is not known of this type of jump",
     }
+
+
+def test_where_none_ships_the_sliders_say_so_and_nothing_is_learned(page):
+    tab = planned_tab()
+    Tint(page, SLIDERS).draw(tab.state)
+    (sent,) = page.shown
+    said = {
+        "chances": [],
+        "text": "Which values can be planned is not known of this robot",
+    }
+    assert sent == dict.fromkeys(SLIDERS.values(), said)
+    assert not tab.state.feasible
 
 
 def test_a_refusal_against_the_guess_is_learned_and_so_is_a_plan(tab):

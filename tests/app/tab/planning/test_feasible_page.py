@@ -5,8 +5,10 @@ from __future__ import annotations
 import pytest
 
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
 from tests.app.chromium import tab
 from tests.app.waits import wait_until
+from tests.llsrbm.atlas.classifiers import shipped
 
 pytestmark = pytest.mark.browser
 
@@ -23,6 +25,13 @@ def put(page, tuning, words):
     page.session._inbox.put(tuning)
     wait_until(lambda: page.evaluate(TRACK)[0].startswith(words), words)
     return page.evaluate(TRACK)
+
+
+@pytest.fixture(autouse=True)
+def known():
+    """What can be planned, made up."""
+    with shipped(load_robot("anymal")):
+        yield
 
 
 def test_a_track_shows_and_says_what_can_be_planned(page):

@@ -1,22 +1,25 @@
-"""Plans that begin from solutions nearby: the same plans, sooner; and where there are none."""
+"""Plans that begin from solutions nearby: the same plans, sooner; and where there are none.
+
+The table is one of sixteen jumps of one robot, planned here.
+"""
 
 import logging
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import llsrbm
+from llsrbm.models import make_model
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve import guess_table
 from llsrbm.planning.solve.guess_table import (
-    REQUEST,
+    TURNING_NEAR,
     Guesses,
     make_table,
     read_table,
-    table_path,
     write_table,
 )
 from llsrbm.planning.solve.planner import BY_NEARER, FOLLOWED, NEARBY, planner_of
@@ -24,143 +27,89 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import with_drives
+from tests.llsrbm.planning.solved import FLIPS, solved
 
+ROBOT = "go2"
 COLD = "from the analytic guess"
-UNSEEN = {
-    "anymal": [{"twist": 1.3}, {"twist": -1.1, "forward": 0.25, "lateral": -0.1, "height": 0.1}],
-    "go2": [{"forward": 0.33}],
-    "slider": [{"forward": 0.15}],
-}
-LARGEST = 2 * 10**6  # bytes
-LARGE = [pytest.param(robot, marks=pytest.mark.nightly) for robot in ("g1", "g1_legs")]
-TABLED = ("anymal", *LARGE, "go2", "slider")
+UNSEEN = Jump(robot=ROBOT, twist=0.3, forward=0.2, lateral=0.03)
+BACK = Jump(robot=ROBOT, **FLIPS["flip"])
+TWISTS = (-45.0, -15.0, 15.0, 45.0)
+JUMPS = [  # each beside the one before
+    Jump(robot=ROBOT, twist=np.radians(twist), forward=forward, lateral=lateral, height=height)
+    for turn, forward, lateral, height in (
+        (1, 0.1, 0.0, 0.0),
+        (-1, 0.1, 0.1, 0.05),
+        (1, 0.3, 0.1, 0.0),
+        (-1, 0.3, 0.0, 0.05),
+    )
+    for twist in TWISTS[::turn]
+]
 
 
-def planner(robot="anymal"):
-    return planner_of(Jump(robot=robot))
+def planner():
+    return planner_of(UNSEEN)
 
 
-def table(robot="anymal"):
-    formulation = planner(robot).formulation
-    return read_table(table_path(formulation), formulation)
+def formulation():
+    return planner().formulation
 
 
 def task(**asked):
-    jump = Jump(**asked)
-    return make_task(jump, load_robot(jump.robot))
+    return make_task(replace(UNSEEN, **asked), load_robot(ROBOT))
 
 
-# ---- the tables that ship
+@pytest.fixture(scope="module")
+def solutions():
+    """Requests, solutions and costs, each planned from the one before."""
+    found, plan = [], None
+    for jump in JUMPS:
+        plan = planner().plan(jump, near=plan, explains=False)
+        found.append((jump, plan.solution, plan.report.cost))
+    return found
 
 
-@pytest.mark.parametrize("robot", TABLED)
-def test_tables_that_ship_are_in_force(robot):
-    """Where it is refused: python -m benchmarks.guess_tables."""
-    assert table_path(planner(robot).formulation).stat().st_size <= LARGEST
-    assert len(table(robot).requests) > 100
-
-
-@pytest.mark.parametrize(
-    ("robot", "asked"), [(robot, asked) for robot, several in UNSEEN.items() for asked in several]
-)
-def test_the_plan_is_the_one_without_and_comes_sooner(robot, asked):
-    jump = Jump(robot=robot, **asked)
-    assert (
-        not (np.abs(table(robot).requests - [getattr(jump, n) for n in REQUEST]) < 1e-3)
-        .all(axis=1)
-        .any()
-    )
-    cold, warm = (llsrbm.plan(jump, guesses=guesses) for guesses in (False, True))
-    assert (cold.report.guess, warm.report.guess) == (COLD, NEARBY)
-    assert warm.solved
-    assert warm.report.attempts == 1
-    assert warm.report.iterations < cold.report.iterations
-    assert warm.report.cost <= 1.001 * cold.report.cost
-    if robot != "slider":  # which comes to another optimum, that costs less
-        assert warm.report.cost == pytest.approx(cold.report.cost, rel=1e-3)
-        assert np.abs(warm.com - cold.com).max() < 5e-3
-
-
-BACK = Jump(robot="go2", type="flip", pitch=-2 * np.pi)
-
-
-def test_flips_begin_from_flips():
-    """The nearest one, with what the whole body says of it: one solve, where a guess takes two."""
-    own = planner_of(BACK)
-    plan = own.plan(BACK, guesses=True)
-    assert (plan.report.guess, plan.report.attempts) == (NEARBY, 1)
-    again = own.plan(replace(BACK, forward=0.02), near=plan)
-    assert (again.report.guess, again.report.attempts) == (FOLLOWED, 1)
-
-
-def test_a_table_of_flips_is_for_no_other_turn():
-    own = planner_of(BACK)
-    assert own.guesses.start(make_task(BACK, own.robot)) is not None
-    front = make_task(replace(BACK, pitch=2 * np.pi), own.robot)
-    assert own.guesses.start(front) is None
-
-
-def test_the_planner_itself_depends_on_the_request_alone():
-    """Sweeps rely on it."""
-    assert planner().plan(Jump(twist=2.0)).report.guess == COLD
-
-
-def test_a_near_plan_comes_first():
-    near = llsrbm.plan(Jump(twist=1.0))
-    assert llsrbm.plan(Jump(twist=1.02), near=near).report.guess == FOLLOWED
-
-
-@pytest.mark.parametrize("robot", TABLED)
-def test_attitudes_have_no_jumps_of_sign(robot):
-    """From the same start to where half the twist is, so that neighbours can be mixed."""
-    of, layout = table(robot), planner(robot).layout
-    places = [layout.variables(k)["quat"] for k in range(1, layout.knots)]
-    quats = np.stack([of.variables[:, place] for place in places], axis=1)
-    assert quats[:, 0, 0].min() > 0.99
-    assert np.einsum("nkq,nkq->nk", quats[:, 1:], quats[:, :-1]).min() > 0.98
-    half = of.requests[:, 0] / 2
-    end = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=1)
-    assert np.sum(quats[:, -1] * end, axis=1).min() > 0.99
-
-
-@pytest.mark.parametrize("degrees", [-180, -179, 0, 179, 180])
-def test_a_guess_turns_the_way_it_is_asked_to(degrees):
-    jump = Jump(twist=np.radians(degrees))
-    formulation = planner().formulation
-    w = table().guess(jump, formulation).variables
-    quats = np.array(
-        [w[formulation.layout.variables(k)["quat"]] for k in range(1, formulation.layout.knots)]
-    )
-    np.testing.assert_allclose(np.linalg.norm(quats, axis=1), 1.0, atol=1e-12)
-    turn = np.unwrap(Rotation.from_quat(quats, scalar_first=True).as_euler("ZYX")[:, 0])
-    # The largest twists are in no table: they cannot be planned.
-    assert np.degrees(turn[-1]) == pytest.approx(degrees, abs=8)
-
-
-# ---- between solutions
-
-
-# ---- files
+@pytest.fixture(scope="module")
+def written(solutions, tmp_path_factory):
+    path = tmp_path_factory.mktemp("guesses") / f"{ROBOT}.npz"
+    write_table(path, make_table(solutions, formulation()), formulation())
+    return path
 
 
 @pytest.fixture
-def elsewhere(tmp_path, monkeypatch):
-    """A copy of ANYmal's table that planners find, and one that reads it anew."""
-    path = tmp_path / "anymal.npz"
-    path.write_bytes(table_path(planner().formulation).read_bytes())
-    monkeypatch.setattr(guess_table, "table_path", lambda formulation: path)
-    return path
+def table(written):
+    return read_table(written, formulation())
+
+
+@pytest.fixture
+def in_force(tmp_path, monkeypatch):
+    """A function that has planners find a table's file, or a copy of it; the copy's path."""
+
+    def put(path, own=None):
+        copy = tmp_path / f"copy of {path.name}"
+        copy.write_bytes(path.read_bytes())
+        monkeypatch.setattr(guess_table, "table_path", lambda formulation: copy)
+        own = own or planner()
+        monkeypatch.setitem(own.__dict__, "guesses", Guesses(own.formulation))
+        return copy
+
+    return put
+
+
+@pytest.fixture
+def shipped(in_force, written):
+    """The table that planners find."""
+    return in_force(written)
 
 
 @pytest.fixture
 def refused(caplog, monkeypatch):
     """The warning that goes with a table that is not used."""
 
-    def of(formulation=None, **asked):
+    def of(other=None):
         caplog.clear()
         monkeypatch.setattr(guess_table, "_refused", set())
         for _ in range(2):
-            assert Guesses(formulation or planner().formulation).start(task(**asked)) is None
+            assert Guesses(other or formulation()).start(task()) is None
         assert len(caplog.records) <= 1  # said once
         return caplog.text
 
@@ -168,102 +117,166 @@ def refused(caplog, monkeypatch):
     return of
 
 
-def test_what_was_written_is_read(tmp_path):
-    formulation, of = planner().formulation, table()
-    write_table(tmp_path / "again.npz", of, formulation)
-    again = read_table(tmp_path / "again.npz", formulation)
-    np.testing.assert_array_equal(again.variables, of.variables)
-    np.testing.assert_array_equal(again.multipliers, of.multipliers)
-    np.testing.assert_array_equal(again.requests, of.requests)
+# ---- plans
 
 
-def test_a_table_is_made_of_solutions(tmp_path):
-    own, jumps = planner(), [Jump(twist=0.1 * k) for k in range(16)]
-    plan = own.plan(jumps[0])
-    solved = [(jump, plan.solution, plan.report.cost) for jump in jumps]
-    write_table(tmp_path / "one.npz", make_table(solved, own.formulation), own.formulation)
-    of = read_table(tmp_path / "one.npz", own.formulation)
-    # 16 bits of some metres
-    kept = of.solution(3)
-    np.testing.assert_allclose(kept.variables, plan.solution.variables, atol=5e-3)
-    problem = own.formulation.problem(task())
-    bounds = problem.lower < problem.upper
-    assert not kept.multipliers[~bounds].any()
-    np.testing.assert_allclose(
-        kept.multipliers[bounds], plan.solution.multipliers[bounds], rtol=0.05, atol=2e-4
-    )
+def test_the_plan_is_the_one_without_and_comes_sooner(shipped):
+    cold, warm = (planner().plan(UNSEEN, guesses=guesses) for guesses in (False, True))
+    assert (cold.report.guess, warm.report.guess) == (COLD, NEARBY)
+    assert warm.solved
+    assert warm.report.attempts == 1
+    assert warm.report.iterations < cold.report.iterations
+    assert warm.report.cost == pytest.approx(cold.report.cost, rel=1e-3)
+    assert np.abs(warm.com - cold.com).max() < 5e-3
+    near = planner().plan(replace(UNSEEN, twist=0.32), near=warm, guesses=True)
+    assert near.report.guess == FOLLOWED
 
 
-def with_file(tmp_path, old, new):
-    """The planner's formulation, of a robot whose file has another text in one place."""
-    text = load_robot("anymal").path.read_text("utf-8")
-    assert old in text
-    path = tmp_path / "mine.toml"
-    path.write_text(text.replace(old, new), "utf-8")
-    return replace(planner().formulation, robot=load_robot(str(path)))
+def test_flips_begin_from_the_flip_beside_them_alone(in_force, tmp_path):
+    first, path = solved("llsrbm-plus", "flip", ROBOT), tmp_path / "flip.npz"
+    own, plan = first.planner, first.plan
+    one = make_table([(BACK, plan.solution, plan.report.cost)], own.formulation)
+    write_table(path, one, own.formulation)
+    in_force(path, own)
+    beside = own.plan(replace(BACK, forward=0.02), guesses=True)
+    assert (beside.report.guess, beside.report.attempts) == (NEARBY, 1)
+
+    def begins(**changes):
+        return own.guesses.start(make_task(replace(BACK, **changes), own.robot)) is not None
+
+    half = np.ptp(own.robot.turning.file.task.forward) / 2
+    assert begins(forward=0.9 * TURNING_NEAR * half)
+    assert not begins(forward=1.1 * TURNING_NEAR * half)
+    assert not begins(pitch=2 * np.pi)
 
 
-def test_it_is_for_the_robots_numbers(elsewhere, tmp_path, refused):
-    """Not for the bytes of its file."""
-    mine = with_file(tmp_path, "friction = 0.5", "friction = 0.45")
-    assert "the robot's numbers were others when it was made" in refused(mine)
-    commented = with_file(tmp_path, "friction = 0.5", "friction = 0.50  # dry concrete")
-    assert Guesses(commented).start(task()) is not None
-
-
-def test_it_is_not_meant_for_other_drives_models_layouts(elsewhere, refused):
-    stronger = with_drives(load_robot("anymal"), 1.2, 1.0)
-    layout = replace(planner().layout, intervals=(15, 15, 15))
-    for formulation in (
-        replace(planner().formulation, robot=stronger),
-        replace(planner().formulation, layout=layout),
-        planner_of(Jump(model="srbm")).formulation,
-    ):
-        assert refused(formulation) == ""
-
-
-def test_it_is_for_one_problem(elsewhere, refused):
-    """A constraint or a cost that is another one now."""
-    formulation, of = planner().formulation, table()
-    write_table(elsewhere, replace(of, costs=of.costs * 1.1), formulation)
-    assert "of another problem" in refused()
-    variables = of.variables.copy()
-    variables[0] += 0.1
-    write_table(elsewhere, replace(of, variables=variables), formulation)
-    assert "of another problem" in refused()
-
-
-@pytest.mark.parametrize("damage", ["cut", "text", "gone"])
-def test_a_damaged_table_is_none(elsewhere, refused, damage):
-    if damage == "cut":
-        elsewhere.write_bytes(elsewhere.read_bytes()[:-5000])
-    elif damage == "text":
-        elsewhere.write_text("no table")
-    else:
-        elsewhere.unlink()
-    assert ("damaged" in refused()) == (damage != "gone")
-
-
-def test_other_limits_and_weights_begin_elsewhere():
-    guesses = Guesses(planner().formulation)
-    usual = task(twist=0.3)
-    assert guesses.start(usual) is not None
-    assert guesses.start(replace(usual, tuning=Tuning(limits={"friction": 0.4}))) is None
-    assert guesses.start(replace(usual, tuning=Tuning(weights={"force": 1.0}))) is None
-    plan = llsrbm.plan(Jump(forward=0.2), limits={"friction": 0.45})
-    assert plan.report.guess == COLD
+def test_other_limits_and_weights_begin_elsewhere(shipped):
+    usual = task()
+    assert planner().guesses.start(usual) is not None
+    for tuning in (Tuning(limits={"friction": 0.4}), Tuning(weights={"force": 1.0})):
+        assert planner().guesses.start(replace(usual, tuning=tuning)) is None
 
 
 def test_where_it_leads_nowhere_nothing_is_lost(monkeypatch):
     """The elastic problem follows, in which all of it is found."""
 
     def far(self, task):
-        sizes = planner().formulation.solver.sizes
+        sizes = formulation().solver.sizes
         return task.jump, Iterate(np.full(sizes[0], 1e3), np.zeros(sizes[1]))
 
     monkeypatch.setattr(Guesses, "start", far)
-    jump, said = Jump(forward=0.2), []
-    plan = llsrbm.plan(jump, progress=said.append)
+    said = []
+    plan = planner().plan(UNSEEN, guesses=True, progress=said.append)
     assert (plan.report.guess, plan.report.attempts) == (BY_NEARER, 2)
     assert said[0].text == f"attempt 1: {NEARBY}"
-    np.testing.assert_allclose(plan.com, llsrbm.plan(jump, guesses=False).com, atol=5e-3)
+    np.testing.assert_allclose(plan.com, planner().plan(UNSEEN).com, atol=5e-3)
+
+
+# ---- between solutions
+
+
+def test_attitudes_have_no_jumps_of_sign(table):
+    """From the same start to where half the twist is, so that neighbours can be mixed."""
+    layout = planner().layout
+    places = [layout.variables(k)["quat"] for k in range(1, layout.knots)]
+    quats = np.stack([table.variables[:, place] for place in places], axis=1)
+    assert quats[:, 0, 0].min() > 0.99
+    assert np.einsum("nkq,nkq->nk", quats[:, 1:], quats[:, :-1]).min() > 0.98
+    half = table.requests[:, 0] / 2
+    end = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=1)
+    assert np.sum(quats[:, -1] * end, axis=1).min() > 0.99
+
+
+@pytest.mark.parametrize("degrees", [-45, -30, 0, 20, 45])
+def test_a_guess_turns_the_way_it_is_asked_to(table, degrees):
+    jump = replace(UNSEEN, twist=np.radians(degrees))
+    w, layout = table.guess(jump, formulation()).variables, planner().layout
+    quats = np.array([w[layout.variables(k)["quat"]] for k in range(1, layout.knots)])
+    np.testing.assert_allclose(np.linalg.norm(quats, axis=1), 1.0, atol=1e-12)
+    turn = np.unwrap(Rotation.from_quat(quats, scalar_first=True).as_euler("ZYX")[:, 0])
+    assert np.degrees(turn[-1]) == pytest.approx(degrees, abs=6)
+
+
+# ---- files
+
+
+def test_a_table_is_made_of_solutions(solutions, table):
+    """With 16 bits of some metres, and multipliers of bounds alone."""
+    _, solution, cost = solutions[3]
+    kept = table.solution(3)
+    assert table.costs[3] == cost
+    np.testing.assert_allclose(kept.variables, solution.variables, atol=5e-3)
+    problem = formulation().problem(task())
+    bounds = problem.lower < problem.upper
+    assert not kept.multipliers[~bounds].any()
+    np.testing.assert_allclose(
+        kept.multipliers[bounds], solution.multipliers[bounds], rtol=0.05, atol=2e-4
+    )
+
+
+def test_what_was_written_is_read(table, tmp_path):
+    write_table(tmp_path / "again.npz", table, formulation())
+    again = read_table(tmp_path / "again.npz", formulation())
+    for name in ("variables", "multipliers", "requests"):
+        np.testing.assert_array_equal(getattr(again, name), getattr(table, name))
+
+
+def with_file(tmp_path, pattern, new):
+    """The planner's formulation, of a robot whose file has another text in one place."""
+    text, count = re.subn(f"(?m){pattern}", new, load_robot(ROBOT).path.read_text("utf-8"))
+    assert count == 1
+    path = tmp_path / "mine.toml"
+    path.write_text(text, "utf-8")
+    return replace(formulation(), robot=load_robot(str(path)))
+
+
+NUMBER = r"[\d.]+"
+DRIVES = [rf"^{name} = (\[.*\]|{NUMBER})" for name in ("armature", "damping")]
+
+
+@pytest.mark.parametrize("pattern", [f"^clearance = {NUMBER}", *DRIVES])
+def test_it_is_for_the_robots_numbers(shipped, tmp_path, refused, pattern):
+    """A jump that was planned without rotors is none of a robot that has some."""
+    mine = with_file(tmp_path, pattern, f"{pattern[1:].split()[0]} = 0.0")
+    assert "the robot's numbers were others when it was made" in refused(mine)
+
+
+def test_it_is_not_for_the_bytes_of_its_file(shipped, tmp_path):
+    commented = with_file(tmp_path, f"^(clearance = {NUMBER})", r"\g<1>  # over grass")
+    assert Guesses(commented).start(task()) is not None
+
+
+def test_it_is_not_meant_for_other_drives_models_layouts(shipped, refused):
+    form = formulation()
+    for other in (
+        replace(form, robot=with_drives(form.robot, 1.2, 1.0)),
+        replace(form, layout=replace(form.layout, intervals=(15, 15, 15))),
+        replace(form, model=make_model("srbm", form.robot)),
+    ):
+        assert refused(other) == ""
+
+
+def test_it_is_for_one_problem(shipped, refused, table):
+    """A constraint or a cost that is another one now."""
+    write_table(shipped, replace(table, costs=table.costs * 1.1), formulation())
+    assert "of another problem" in refused()
+    variables = table.variables.copy()
+    variables[0] += 0.1
+    write_table(shipped, replace(table, variables=variables), formulation())
+    assert "of another problem" in refused()
+
+
+@pytest.mark.parametrize("damage", ["cut", "text", "few"])
+def test_a_damaged_table_is_none(shipped, refused, table, solutions, damage):
+    if damage == "cut":
+        shipped.write_bytes(shipped.read_bytes()[:-5000])
+    elif damage == "text":
+        shipped.write_text("no table")
+    else:
+        write_table(shipped, make_table(solutions[:3], formulation()), formulation())
+    assert "damaged" in refused()
+
+
+def test_where_there_is_no_table_nothing_is_said(shipped, refused):
+    shipped.unlink()
+    assert refused() == ""
