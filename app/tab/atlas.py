@@ -158,8 +158,8 @@ class AtlasDrawing:
         try:
             atlas = self._atlases.named(state.atlas.sweep)
         except Error as error:
-            said = str(error)
-            return f"{said[:1].upper()}{said[1:]}."
+            message = str(error)
+            return f"{message[:1].upper()}{message[1:]}."
         jumps = atlas and atlas.jumps_of(jump.robot, jump.model, jump.type)
         return jumps or f"This sweep has no jumps of {state.file.title}."
 
