@@ -57,6 +57,12 @@ def generalised_force(robot: Any, q: np.ndarray, points: np.ndarray, force: np.n
     return total
 
 
+def friction(robot: Any, speed: np.ndarray) -> Any:
+    """Nm or N that the drives lose at joint speeds."""
+    coulomb = robot.friction * np.tanh(100 * speed / robot.speed_limit)
+    return coulomb + robot.damping * speed
+
+
 @pytest.fixture(scope="module", params=ROBOTS)
 def robot(request):
     return load_robot(request.param)
@@ -116,6 +122,7 @@ def test_a_smooth_motion_against_differences_of_postures(robot):
         v, a = (v_before + v_after) / (2 * h), (v_after - v_before) / h**2
         contacts = generalised_force(robot, now, motion.contact_point[k], force[k])
         expected = pin.rnea(model, data, now, v, a) - contacts
+        expected[6:] += friction(robot, v[6:])
         size = np.abs(expected[6:]).max()
         np.testing.assert_allclose(loads.joint_velocity[k], v[6:], rtol=2e-3, atol=3e-3)
         np.testing.assert_allclose(loads.joint_torque[k], expected[6:], atol=0.01 * size)
@@ -139,13 +146,16 @@ def test_a_plans_dynamics_are_nearly_those_of_the_whole_body(planned):
     assert loads.foot_residual.max() < 1e-6
 
 
-def test_what_the_drives_give_is_the_gain_in_energy(planned):
+def test_what_the_drives_give_is_the_gain_in_energy_and_what_friction_takes(planned):
     """At rest at both ends: only the height counts. Contacts at rest do no work."""
     plan, robot, loads = planned
     power = loads.power.sum(axis=1)
     dt = np.diff(plan.time)
     gain = robot.mass * 9.81 * (plan.com[-1, 2] - plan.com[0, 2])
-    assert power @ dt == pytest.approx(gain, abs=0.02 * np.abs(power) @ dt)
+    speed = loads.joint_velocity
+    lost = (friction(robot, speed) * speed).sum(axis=1) @ dt
+    assert lost > 0.01 * np.abs(power) @ dt
+    assert power @ dt == pytest.approx(gain + lost, abs=0.02 * np.abs(power) @ dt)
 
 
 def test_speeds_at_the_knots_are_those_of_the_postures(planned):

@@ -24,8 +24,21 @@ def state(robot, seed):
     return q, rng.normal(size=model.nv) * 3, rng.normal(size=model.nv) * 10, forces
 
 
+def links_alone(robot):
+    model = robot.model.copy()
+    model.armature[:] = 0.0
+    return model
+
+
+def of_drives(robot, dq, ddq):
+    """Nm or N of rotors, damping, and friction that turns about within 3 % of the speed limit."""
+    turned = dq / np.hypot(dq, 0.03 * robot.speed_limit)
+    return robot.armature * ddq + robot.friction * turned + robot.damping * dq
+
+
 def of_pinocchio(robot, q, v, a, forces):
-    model, data = robot.model, robot.model.createData()
+    """Of links, by Pinocchio, and of drives."""
+    model, data = links_alone(robot), robot.model.createData()
     effort = pin.rnea(model, data, q, v, a)
     pin.computeJointJacobians(model, data, q)
     pin.updateFramePlacements(model, data)
@@ -33,6 +46,7 @@ def of_pinocchio(robot, q, v, a, forces):
         J = pin.getFrameJacobian(model, data, leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED)
         arms = robot.corners @ data.oMf[leg.foot_frame_id].rotation.T - [0, 0, robot.foot_lift]
         effort -= J.T @ np.append(pushes.sum(axis=0), np.cross(arms, pushes).sum(axis=0))
+    effort[6:] += of_drives(robot, v[6:], a[6:])
     return effort
 
 
@@ -64,6 +78,14 @@ def test_efforts_are_those_of_pinocchio(robot):
         )[0]
         expected = of_pinocchio(robot, q, v, a, forces)
         np.testing.assert_allclose(np.array(found).ravel(), expected, atol=1e-8)
+
+
+def test_pinocchios_own_rotors_are_those(robot):
+    q, v, a, _ = state(robot, 3)
+    with_rotors, links = (
+        pin.rnea(model, model.createData(), q, v, a) for model in (robot.model, links_alone(robot))
+    )
+    np.testing.assert_allclose(with_rotors - links, [*np.zeros(6), *robot.armature * a[6:]], atol=1e-9)
 
 
 def test_feet_move_as_pinocchios(robot):

@@ -86,7 +86,7 @@ def test_the_trunk_is_the_base_of_the_robot_whose_arms_are_held(tmp_path):
     at = zip([name for arm in free.arms for name in arm.joints], free.arm_angles, strict=True)
     rows = "\n".join(f"{name} = {float(angle)}" for name, angle in at)
     text = re.sub(r"(?m)^(?:left|right)_arm = .*\n|^\[arms\]\n", "", G1)
-    text = re.sub(r"(?s)\[arm_reach\].*?\n\n", "", text)
+    text = re.sub(r"(?s)\[(arm_reach|drives\.arms)\].*?\n\n", "", text)
     path = tmp_path / "held.toml"
     path.write_text(text.replace("[urdf.held]", f"[urdf.held]\n{rows}"))
     held = load_robot(str(path))

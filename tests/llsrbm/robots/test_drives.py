@@ -1,4 +1,4 @@
-"""Torques that drives give at a speed, many instants at once."""
+"""Torques that drives give at a speed and what friction takes of them, many instants at once."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction, torque_range, with_drives
+from llsrbm.robots.drives import (
+    driven,
+    friction_torque,
+    ideal,
+    torque_in_direction,
+    torque_range,
+    with_drives,
+)
 
 ROBOT = load_robot("slider")
 LIMIT, SPEED = ROBOT.torque_limit, ROBOT.speed_limit
@@ -62,3 +70,52 @@ def test_other_drives_give_more_and_the_rest_of_the_robot_is_the_same():
     assert with_drives(ROBOT) is ROBOT
     # Its solvers lie elsewhere in the cache: those of the robot itself are not pushed out.
     assert other.name != ROBOT.name
+
+
+def test_friction_is_odd_and_whole_beyond_a_few_hundredths_of_the_speed():
+    speed = np.linspace(0, 1, 401)[:, None] * SPEED
+    taken = friction_torque(ROBOT, speed)
+    np.testing.assert_array_equal(friction_torque(ROBOT, -speed), -taken)
+    assert not taken[0].any()
+    coulomb = taken - ROBOT.damping * speed
+    assert (np.diff(taken, axis=0) > 0).all()
+    assert (coulomb <= ROBOT.friction * (1 + 1e-9)).all()
+    fast = speed[:, 0] >= 0.04 * SPEED[0]
+    np.testing.assert_allclose(coulomb[fast], ROBOT.friction + 0 * coulomb[fast], rtol=1e-3)
+    # At rest it rises to the whole over a hundredth of the largest speed.
+    little = 1e-5 * SPEED
+    np.testing.assert_allclose(
+        friction_torque(ROBOT, little) / little,
+        ROBOT.friction / (0.01 * SPEED) + ROBOT.damping,
+        rtol=1e-5,
+    )
+
+
+@pytest.mark.parametrize("name", ["slider", "g1"])
+def test_ideal_drives_are_the_robot_without_rotors_friction_and_delay(name):
+    robot = load_robot(name)
+    rotors = robot.model.armature.copy()
+    without = ideal(robot)
+    assert not without.armature.any()
+    assert not without.model.armature.any()
+    assert not friction_torque(without, robot.speed_limit).any()
+    assert without.drive_delay == 0.0
+    assert (without.mass, without.fit) == (robot.mass, robot.fit)
+    np.testing.assert_array_equal(without.torque_limit, robot.torque_limit)
+    # The robot itself keeps them.
+    np.testing.assert_array_equal(robot.model.armature, rotors)
+    assert (robot.armature > 0).all()
+
+
+def test_drives_are_true_or_ideal():
+    assert driven(ROBOT, "true") is ROBOT
+    assert driven(ROBOT, "ideal") is ideal(ROBOT)
+    with pytest.raises(InputError, match='no drives "none"; valid: true, ideal'):
+        driven(ROBOT, "none")
+
+
+def test_stronger_drives_keep_their_rotors_and_friction():
+    other = with_drives(ROBOT, torque=1.5)
+    for name in ("armature", "friction", "damping"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(ROBOT, name))
+    assert other.drive_delay == ROBOT.drive_delay
