@@ -36,7 +36,9 @@ class DelayEstimate:
 
     def __init__(self, tick: float, known: float = 0.0) -> None:
         self._tick = tick
-        self._whole, self._part = int(known // tick), known / tick % 1.0
+        # In floating point 7.5 ms // 2.5 ms is 2.
+        self._whole = int(late := round(known / tick, 6))
+        self._part = late - self._whole
         # The last one first.
         self._sent: deque[Command] = deque(maxlen=MOST + self._whole + 2)
         self._misses = np.zeros(MOST + 1)  # by delay: what was measured less what was sent

@@ -313,6 +313,9 @@ def _add_motors(
         joint, k = spec.joint(name), robot.joint_names.index(name)
         joint.armature = disturbance.armature_factor * robot.armature[k]
         joint.frictionloss = losses * robot.friction[k]
+        # As stiff as a time step allows: by MuJoCo's default, 20 ms, friction pushes joints on that
+        # their drives brake, up to some rad/s.
+        joint.solref_friction = [2 * spec.option.timestep, 1.0]
         # The first of a polynomial's coefficients.
         joint.damping = np.eye(len(joint.damping))[0] * losses * robot.damping[k]
         # The robot file's limits hold, not the URDF's; see `Drives`.

@@ -11,14 +11,14 @@ from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives import friction_torque, torque_range
 from llsrbm.simulation.scene import scene_spec
 from tests.llsrbm.control.bodies import resting_target
 
 STEP = 5e-4
 
 
-def floating(name, position, speed, *, bounded=True, apart=False, seconds=0.3):
+def floating(name, position, speed, *, bounded=True, apart=False, seconds=0.3, gains=(400, 40)):
     """Joints (T, J), their speeds (T, J): weightless, drawn to a posture with a speed."""
     robot = load_robot(name)
     spec = scene_spec(robot, Surroundings(-100.0, ()), Disturbance(), STEP)
@@ -39,7 +39,7 @@ def floating(name, position, speed, *, bounded=True, apart=False, seconds=0.3):
     bounds, links = JointBounds(robot), LinkBounds(robot)
     target = resting_target(len(robot.legs), len(at))
     target.joint_position[:], target.joint_velocity[:] = position, speed
-    posture = [(tasks.Posture(range(len(at)), len(at) + 6, (400.0, 40.0)), 1.0)]
+    posture = [(tasks.Posture(range(len(at)), len(at) + 6, gains), 1.0)]
     forces = np.zeros((body.contacts, 3))
     positions, speeds = [], []
     for _ in range(round(seconds / tick)):
@@ -58,6 +58,7 @@ def floating(name, position, speed, *, bounded=True, apart=False, seconds=0.3):
             torque_range(robot, v[6:]),
             bounds.accelerations(body) if bounded else None,
             links.rows(body) if apart else None,
+            friction_torque(robot, v[6:]),
         )
         assert command.solved
         data.ctrl[:] = command.torque

@@ -13,7 +13,7 @@ TICK = 0.0025
 
 
 class Falling:
-    """A robot under torques and foot forces, integrated by Pinocchio's forward dynamics."""
+    """A robot under torques, its drives' friction and foot forces, by Pinocchio's dynamics."""
 
     def __init__(self, force, noise=0.0):
         self.robot = load_robot("anymal")
@@ -33,7 +33,10 @@ class Falling:
         truth = WholeBody(self.robot)
         truth.update(self.q, self.v)
         pushed = np.einsum("lin,li->n", truth.contact_jacobian, self.force)
-        rhs = np.concatenate([np.zeros(6), self.torque]) + pushed - truth.h
+        dq, robot = self.v[6:], self.robot
+        coulomb = robot.friction * np.tanh(100 * dq / robot.speed_limit)
+        moving = self.torque - coulomb - robot.damping * dq
+        rhs = np.concatenate([np.zeros(6), moving]) + pushed - truth.h
         self.v = self.v + np.linalg.solve(truth.M, rhs) * TICK
         self.q = pin.integrate(self.robot.model, self.q, self.v * TICK)
         return touching

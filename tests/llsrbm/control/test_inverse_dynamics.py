@@ -26,7 +26,16 @@ def feet():
     return [(tasks.StandingFeet(range(4), 1, 0.0), 1e4)]
 
 
-def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=WIDE, target=None):
+def solve(
+    body,
+    wishes,
+    contact=STANDING,
+    force=None,
+    force_weight=1e-4,
+    limits=WIDE,
+    target=None,
+    **beside,
+):
     dynamics = InverseDynamics(body, FRICTION, "quadprog", TICK)
     command = dynamics.solve(
         wishes,
@@ -35,6 +44,7 @@ def solve(body, wishes, contact=STANDING, force=None, force_weight=1e-4, limits=
         np.zeros((4, 3)) if force is None else force,
         force_weight,
         limits,
+        **beside,
     )
     assert command.solved
     return command
@@ -83,6 +93,49 @@ def test_torques_stay_within_what_the_drives_give():
     assert command.torque.max() <= 5.0 + 1e-6
     assert command.torque.min() >= -7.0 - 1e-6
     assert max(command.torque.max() / 5.0, -command.torque.min() / 7.0) == pytest.approx(1.0)
+
+
+def test_friction_is_given_beside_what_moves_the_robot():
+    body, friction = standing(), np.linspace(-3, 3, 12)
+    wishes, target = still(body)
+    free = solve(body, [*wishes, *feet()], target=target)
+    command = solve(body, [*wishes, *feet()], target=target, friction=friction)
+    np.testing.assert_allclose(command.acceleration, free.acceleration, atol=1e-9)
+    np.testing.assert_allclose(command.torque, free.torque + friction, atol=1e-9)
+
+
+def test_friction_is_within_what_the_drives_give():
+    body, friction = standing(), np.full(12, 3.0)
+    limits = (np.full(12, -6.0), np.full(12, 8.0))
+    wishes, target = still(body)
+    command = solve(body, [*wishes, *feet()], limits=limits, target=target, friction=friction)
+    assert command.torque.min() >= -6.0 - 1e-6
+    assert command.torque.max() <= 8.0 + 1e-6
+    assert max(command.torque.max() / 8.0, -command.torque.min() / 6.0) == pytest.approx(1.0)
+    left = command._replace(torque=command.torque - friction)
+    np.testing.assert_allclose(residual(body, left), 0.0, atol=1e-6)
+
+
+def test_what_comes_beside_is_left_out_of_what_is_asked_for():
+    """Torques are for so much less; what is expected is what was wanted."""
+    body = standing()
+    wishes, target = still(body)
+    # Of the trunk by itself: feet that stand are held by the ground, and leave nothing out.
+    unmodelled = np.concatenate([[0.3, -0.2, 0.5, 0.4, -0.3, 0.2], np.zeros(12)])
+    in_the_air = {"contact": np.zeros(4, dtype=bool), "target": target}
+    wishes = [(tasks.BaseOrientation((0.0, 0.0)), 1e4)]
+    command = solve(body, wishes, **in_the_air, unmodelled=unmodelled)
+    np.testing.assert_allclose(command.acceleration[3:6], 0.0, atol=1e-3)
+    asked = command._replace(acceleration=command.acceleration - unmodelled)
+    np.testing.assert_allclose(residual(body, asked), 0.0, atol=1e-6)
+
+
+def test_feet_that_stand_leave_nothing_out():
+    body, unmodelled = standing(), np.full(18, 0.4)
+    command = solve(body, feet(), unmodelled=unmodelled)
+    asked = command.acceleration - unmodelled
+    accelerated = np.einsum("lin,n->li", body.contact_jacobian, asked)
+    np.testing.assert_allclose(accelerated, 0.0, atol=1e-3)
 
 
 def test_a_foot_in_the_air_does_not_push():
