@@ -153,20 +153,21 @@ class ContactSchedule:
             self._seek(self._schedule.lands(phase), time)
         return False
 
-    def find_contacts(self, time: float, torque: Array, *, hit: bool) -> None:
+    def find_contacts(self, time: float, torque: Array, v: Array, *, hit: bool) -> None:
         """Find the feet that have met the ground at `time`, s, with torques (J,) of the last tick.
 
+        `v`: (n,) measured: what is foreseen of the body, its feet do that the ground has stopped.
         `hit`: whether something was hit, as the detector says; counts in flight, if with the feet.
         """
         if self.phase == 0:
             return
-        loaded = self._feet.update(torque)
+        loaded = self._feet.update(torque, v)
         self._light = np.where(loaded | ~self.standing, 0, self._light + 1)
         if self.flying:
             if hit and self._feet.met_ground():
                 self._touch_down(time, loaded)
             return
-        self.standing = self.standing | self._found(time, loaded)
+        self.standing = self.standing | self._found(time, loaded, v)
         self._measure_ground()
 
     def _take_off(self) -> None:
@@ -190,8 +191,8 @@ class ContactSchedule:
         self._still = np.where(feet, 0, self._still)
         self._seeking_since = np.where(feet, time, self._seeking_since)
 
-    def _found(self, time: float, loaded: Feet) -> Feet:
-        sinking = self._body.foot_velocity[:, 2] < -_STOPPED_BELOW
+    def _found(self, time: float, loaded: Feet, v: Array) -> Feet:
+        sinking = self._body.foot_jacobian[:, 2] @ v < -_STOPPED_BELOW
         self._still = np.where(sinking, 0, self._still + 1)
         stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)
         coming = self.plan_time(time) >= self._comes_from[self.phase]

@@ -128,11 +128,11 @@ class WholeBodyController:
         While feet stand for the state and the time at which they will begin to act; in flight it
         listens for the ground, and what is predicted has not happened.
         """
-        body, contacts = self._body, self.contacts
-        self._delay.measured(measurement.torque)
-        self._unmodelled.measured(measurement.v, self._delay.acted(), contacts.standing)
+        body, contacts, measured = self._body, self.contacts, measurement
+        self._delay.measured(measured.torque)
+        self._unmodelled.measured(measured.v, self._delay.acted(), contacts.standing)
         if not contacts.flying:
-            measurement = self._delay.met(measurement, body)
+            measurement = self._delay.met(measured, body)
         time = measurement.time
         body.update(measurement.q, measurement.v)
         if contacts.follow_clock(time):
@@ -145,7 +145,8 @@ class WholeBodyController:
             body.inertia,
             body.trunk_momentum if flying else _NOT_NEEDED,
         )
-        contacts.find_contacts(time, measurement.torque, hit=flying and self.detector.update(state))
+        hit = flying and self.detector.update(state)
+        contacts.find_contacts(measured.time, measured.torque, measured.v, hit=hit)
         landed = flying and not contacts.flying
         if landed:
             planned = self._reference.late(contacts.phase - 1).com_velocity[2]

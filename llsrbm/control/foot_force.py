@@ -43,8 +43,8 @@ class FootForces:
 
         J^T f = M_leg dv/dt + h_leg + friction - tau_leg
 
-    with the difference of two measured velocities for dv/dt. `tick`: s between updates; `vertical`:
-    (L,) N, smoothed.
+    with the difference of two measured velocities for dv/dt, where those of `body` may be foreseen.
+    `tick`: s between updates; `vertical`: (L,) N, smoothed.
     """
 
     def __init__(self, robot: Robot, body: WholeBody, tick: float) -> None:
@@ -75,13 +75,15 @@ class FootForces:
         self._impulse.reset()
         self._touching[:] = 0
 
-    def update(self, torque: Array) -> NDArray[np.bool_]:
-        """Feet that carry load, (L,). `torque`: (J,) measured, mean of the tick that ended."""
+    def update(self, torque: Array, v: Array) -> NDArray[np.bool_]:
+        """Feet that carry load, (L,). Of the tick that ended, measured: `torque` (J,), its mean;
+        `v` (n,) at its end.
+        """
         body = self._body
         if self._equations is not None:
-            M, h, own, v = self._equations
-            load = M @ (body.v - v) / self._tick + h
-            load[_BASE:] += friction_torque(self._robot, (body.v + v)[_BASE:] / 2) - torque
+            M, h, own, before = self._equations
+            load = M @ (v - before) / self._tick + h
+            load[_BASE:] += friction_torque(self._robot, (before + v)[_BASE:] / 2) - torque
             np.add(own @ own.transpose(0, 2, 1), _REGULARISATION, out=self._blocks)
             right = (own @ load[self._rows][..., None]).ravel()
             _, force, failed = dposv(self._system, right)
@@ -92,7 +94,7 @@ class FootForces:
             self.vertical += _SMOOTHING * (force[2::3] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
-        self._equations = (body.M, body.h, body.foot_jacobian[self._columns], body.v.copy())
+        self._equations = (body.M, body.h, body.foot_jacobian[self._columns], v.copy())
         touching: NDArray[np.bool_] = self._touching >= _SURE
         return touching
 

@@ -24,12 +24,15 @@ class Robot:
     def __init__(self):
         self.foot = np.zeros((4, 3))
         self.foot_velocity = np.zeros((4, 3))
+        # As if the heights of the four feet were all that moves.
+        self.foot_jacobian = np.zeros((4, 3, 4))
+        self.foot_jacobian[:, 2] = np.eye(4)
         self.vertical = np.zeros(4)
         self.loaded = NONE
         self.resets = 0
         self.with_feet = True
 
-    def update(self, torque):
+    def update(self, torque, v):
         return self.loaded
 
     def reset(self):
@@ -52,7 +55,7 @@ class Run:
         time = self.ticks * TICK
         if self.contacts.follow_clock(time):
             self.begun.append(time)
-        self.contacts.find_contacts(time, np.zeros(12), hit=hit)
+        self.contacts.find_contacts(time, np.zeros(12), self.robot.foot_velocity[:, 2], hit=hit)
         self.ticks += 1
         return self.contacts
 

@@ -15,10 +15,11 @@ TICK = 0.0025
 class Falling:
     """A robot under torques, its drives' friction and foot forces, by Pinocchio's dynamics."""
 
-    def __init__(self, force, noise=0.0):
+    def __init__(self, force, noise=0.0, foreseen=0.0):
         self.robot = load_robot("anymal")
         self.force = np.asarray(force, dtype=float)
         self.rng = np.random.default_rng(3)
+        self.foreseen = foreseen  # s
         self.noise = noise * np.repeat([0.01, 0.02], [6, 12])
         self.q, self.v = state(1)
         self.v *= 0.2
@@ -28,8 +29,10 @@ class Falling:
 
     def step(self):
         measured = self.v + self.noise * self.rng.standard_normal(18)
-        self.body.update(self.q, measured)
-        touching = self.estimate.update(self.torque)
+        guess = self.rng.normal(scale=50, size=18) * self.foreseen  # the ground is not foreseen
+        q = pin.integrate(self.robot.model, self.q, (measured + guess / 2) * self.foreseen)
+        self.body.update(q, measured + guess)
+        touching = self.estimate.update(self.torque, measured)
         truth = WholeBody(self.robot)
         truth.update(self.q, self.v)
         pushed = np.einsum("lin,li->n", truth.contact_jacobian, self.force)
@@ -48,6 +51,13 @@ def test_estimates_the_forces_that_act(load):
     for _ in range(8):
         robot.step()
     np.testing.assert_allclose(robot.estimate.vertical, load, atol=4.0)
+
+
+def test_forces_are_those_measured_however_the_state_is_foreseen():
+    robot = Falling(np.array([80, 0, 40, 120])[:, None] * [0.1, -0.2, 1.0], foreseen=0.003)
+    for _ in range(8):
+        robot.step()
+    np.testing.assert_allclose(robot.estimate.vertical, [80, 0, 40, 120], atol=6.0)
 
 
 def test_loaded_feet_are_found_within_three_ticks():

@@ -18,10 +18,10 @@ JOINTS = len(ANYMAL.joint_names)
 PLAN = synthetic_plan(Jump())
 
 
-def world_of(plan=PLAN, scenario=None, **disturbance):
-    return World(
-        ANYMAL, surroundings(ANYMAL, plan, scenario or Scenario()), Disturbance(**disturbance), TICK
-    )
+def world_of(plan=PLAN, scenario=None, delay=None, **disturbance):
+    """`delay`: the drives', s; None: that of the robot's file."""
+    around = surroundings(ANYMAL, plan, scenario or Scenario())
+    return World(ANYMAL, around, Disturbance(**disturbance), TICK, delay)
 
 
 def in_the_air(height=3.0):

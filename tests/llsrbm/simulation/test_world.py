@@ -147,7 +147,7 @@ def rms(values):
 
 def test_a_simulation_that_diverges_says_so(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    world = world_of()
+    world = world_of(delay=0.0)
     q, v = in_the_air()
     v[8] = 1e12
     world.reset(q, v)
