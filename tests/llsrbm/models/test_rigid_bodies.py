@@ -85,7 +85,9 @@ def test_pinocchios_own_rotors_are_those(robot):
     with_rotors, links = (
         pin.rnea(model, model.createData(), q, v, a) for model in (robot.model, links_alone(robot))
     )
-    np.testing.assert_allclose(with_rotors - links, [*np.zeros(6), *robot.armature * a[6:]], atol=1e-9)
+    np.testing.assert_allclose(
+        with_rotors - links, [*np.zeros(6), *robot.armature * a[6:]], atol=1e-9
+    )
 
 
 def test_feet_move_as_pinocchios(robot):
