@@ -2,8 +2,8 @@
 
     I q'' + F s(q') + D q',    s(q') = q' / sqrt(q'^2 + w^2),
 
-where `llsrbm.robots.drives` has a hyperbolic tangent. The two differ by up to 0.46 F, at 1.3 % of the
-speed limit, and by less than 0.15 F above 5 %; this one's curvature stays small, which the
+where `llsrbm.robots.drives` has a hyperbolic tangent. The two differ by up to 0.46 F, at 1.3 % of
+the speed limit, and by less than 0.15 F above 5 %; this one's curvature stays small, which the
 planner's solver needs.
 """
 
