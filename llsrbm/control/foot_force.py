@@ -76,8 +76,8 @@ class FootForces:
         self._touching[:] = 0
 
     def update(self, torque: Array, v: Array) -> NDArray[np.bool_]:
-        """Feet that carry load, (L,). Of the tick that ended, measured: `torque` (J,), its mean;
-        `v` (n,) at its end.
+        """Feet that carry load, (L,). Both measured: `torque` (J,), mean of the tick that ended; `v`
+        (n,) at its end.
         """
         body = self._body
         if self._equations is not None:
