@@ -76,8 +76,9 @@ class FootForces:
         self._touching[:] = 0
 
     def update(self, torque: Array, v: Array) -> NDArray[np.bool_]:
-        """Feet that carry load, (L,). Both measured: `torque` (J,), mean of the tick that ended; `v`
-        (n,) at its end.
+        """Feet that carry load, (L,). `torque`: (J,) measured, mean of the tick that ended.
+
+        `v`: (n,) measured at its end.
         """
         body = self._body
         if self._equations is not None:
