@@ -132,22 +132,33 @@ def test_the_plan_is_the_one_without_and_comes_sooner(shipped):
     assert near.report.guess == FOLLOWED
 
 
-def test_flips_begin_from_the_flip_beside_them_alone(in_force, tmp_path):
+def test_flips_begin_from_the_flip_beside_them_alone(table, monkeypatch):
+    """Between whole turns nothing is interpolated."""
+    kind = {name: getattr(BACK, name) for name in ("type", "pitch")}
+    guesses, robot = Guesses(formulation()), load_robot(ROBOT)
+    monkeypatch.setitem(guesses.__dict__, "_table", replace(table, kind=kind))
+    first = replace(BACK, **table.request(5))
+
+    def start(**changes):
+        return guesses.start(make_task(replace(first, **changes), robot))
+
+    away = TURNING_NEAR * table.scale[1]  # forward
+    jump, begun = start(forward=first.forward - 0.9 * away)
+    assert jump == first
+    np.testing.assert_array_equal(begun.variables, table.variables[5])
+    assert start(forward=first.forward - 1.1 * away) is None
+    assert start(pitch=2 * np.pi) is None
+
+
+@pytest.mark.nightly
+def test_a_flip_from_a_flip_takes_one_solve(in_force, tmp_path):
+    """With what the whole body says of the one that is followed."""
     first, path = solved("llsrbm-plus", "flip", ROBOT), tmp_path / "flip.npz"
-    own, plan = first.planner, first.plan
-    one = make_table([(BACK, plan.solution, plan.report.cost)], own.formulation)
-    write_table(path, one, own.formulation)
-    in_force(path, own)
-    beside = own.plan(replace(BACK, forward=0.02), guesses=True)
+    form, plan = first.planner.formulation, first.plan
+    write_table(path, make_table([(BACK, plan.solution, plan.report.cost)], form), form)
+    in_force(path, first.planner)
+    beside = first.planner.plan(replace(BACK, forward=0.02), guesses=True)
     assert (beside.report.guess, beside.report.attempts) == (NEARBY, 1)
-
-    def begins(**changes):
-        return own.guesses.start(make_task(replace(BACK, **changes), own.robot)) is not None
-
-    half = np.ptp(own.robot.turning.file.task.forward) / 2
-    assert begins(forward=0.9 * TURNING_NEAR * half)
-    assert not begins(forward=1.1 * TURNING_NEAR * half)
-    assert not begins(pitch=2 * np.pi)
 
 
 def test_other_limits_and_weights_begin_elsewhere(shipped):
