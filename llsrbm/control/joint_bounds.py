@@ -21,8 +21,8 @@ from llsrbm.robots import Robot
 Array = NDArray[np.float64]
 
 MARGIN = 0.01  # share of a joint's range that is kept from either stop
-# Share of the drive's torque at rest. With half of it, joints with rotors that end a push near a stop
-# slow down before the feet leave, and robots twist off tilted.
+# Share of the drive's torque at rest. With half of it, joints with rotors that end a push near a
+# stop slow down before the feet leave, and robots twist off tilted.
 BRAKING = 0.9
 SPEED = 1.1  # of the drive's; plans may reach it at lift-off, and held to it robots jump too low
 REACTION = 0.005  # s; torques come up to a tick late, and measured speeds are noisy

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.control.joint_bounds import BRAKING, least_acceleration
+from llsrbm.control.joint_bounds import least_acceleration
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
 from llsrbm.robots.near_links import NearLinks
@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 # Looked at are links that joints, as fast as they turn, could bring together within so long (s).
 SOON = 0.02
+# Share of the drives' torque: all of them rarely push the same way, and at 0.9 links have touched.
+BRAKING = 0.5
 LEAST = 0.002  # m that links keep apart; with 5 mm feet are kept from where plans land them
 
 
