@@ -1,4 +1,4 @@
-"""What it costs not to know the drives: plans and controllers with and without rotors and friction.
+"""The cost of not knowing the drives: plans and controllers with and without rotors and friction.
 
     python -m benchmarks.known_drives --robot go2 --requests 24 --seed 40
 
