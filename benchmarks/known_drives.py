@@ -29,7 +29,7 @@ from llsrbm.simulation.world import World
 
 
 class Row(NamedTuple):
-    """Who knows what: "true" drives, "ideal" ones, or "no friction"."""
+    """The drives that each is made for: "true" ones, "ideal" ones, or "no friction"."""
 
     plan: str
     controller: str
