@@ -26,7 +26,7 @@ BUSY = "deadlines:|silence:|late:"  # what a busy machine may do to a player
 
 
 def test_a_dry_run_prints_states_and_first_commands(capsys):
-    assert main(["deploy", str(PLANS / "go2.npz"), "--tier", "table", "--dry-run"]) == 0
+    assert main(["deploy", str(PLANS / "go1.npz"), "--tier", "table", "--dry-run"]) == 0
     out = capsys.readouterr().out
     states = re.findall(r"^(\w+) +(\d+\.\d\d) s ", out, re.MULTILINE)
     assert [name for name, _ in states] == ["check", "ramp", "stand", "jump", "damp"]
@@ -37,12 +37,12 @@ def test_a_dry_run_prints_states_and_first_commands(capsys):
 
 @pytest.mark.parametrize("tier", ["table", "closed-loop"])
 def test_a_dry_run_as_json(tier, capfd):
-    plan = PLANS / "go2.npz"
-    assert main(["deploy", str(plan), "--robot", "go2", "--tier", tier, "--dry-run", "--json"]) == 0
+    plan = PLANS / "go1.npz"
+    assert main(["deploy", str(plan), "--robot", "go1", "--tier", tier, "--dry-run", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
     assert result["tier"] == tier
     assert [command["time_s"] for command in result["commands"]] == [0.0, 0.002, 0.004]
-    first, robot = result["commands"][0], load_robot("go2")
+    first, robot = result["commands"][0], load_robot("go1")
     if tier == "table":
         posture = FirstPosture.of(llsrbm.load(plan), robot)
         assert first["q"] == pytest.approx(posture.joints, abs=0.01)
@@ -56,11 +56,11 @@ def test_a_dry_run_as_json(tier, capfd):
     ("arguments", "message"),
     [
         ((PLANS / "anymal.npz",), r"plan: its certificate does not hold: joint_torque .*--refine"),
-        ((PLANS / "go2.npz", "--robot", "anymal"), r"of robot go2, the robot .* is anymal"),
-        ((PLANS / "go2.npz", "--tier", "loop"), r'no tier "loop"'),
-        ((PLANS / "go2.npz", "--log", "play.csv"), r"--log play.csv: expected a name .*\.mcap"),
-        ((PLANS / "go2.npz", "--log", "/no/where/a.mcap"), r"--log .*: expected .* in a folder"),
-        ((PLANS / "go2.npz", "--interface", "wire0"), r"interface: expected one of .*lo"),
+        ((PLANS / "go1.npz", "--robot", "anymal"), r"of robot go1, the robot .* is anymal"),
+        ((PLANS / "go1.npz", "--tier", "loop"), r'no tier "loop"'),
+        ((PLANS / "go1.npz", "--log", "play.csv"), r"--log play.csv: expected a name .*\.mcap"),
+        ((PLANS / "go1.npz", "--log", "/no/where/a.mcap"), r"--log .*: expected .* in a folder"),
+        ((PLANS / "go1.npz", "--interface", "wire0"), r"interface: expected one of .*lo"),
     ],
 )
 def test_what_is_refused_before_anything_moves(arguments, message, capsys):
@@ -85,7 +85,7 @@ def test_packages_that_are_missing(module, message, monkeypatch, capsys):
     monkeypatch.setattr(
         llsrbm.errors, "find_spec", lambda name: None if name == module else found(name)
     )
-    assert main(["deploy", str(PLANS / "go2.npz")]) == 2
+    assert main(["deploy", str(PLANS / "go1.npz")]) == 2
     assert re.search(message, capsys.readouterr().err)
 
 
@@ -97,13 +97,13 @@ def robot():
     """A simulated Go2 in a domain of its own; `ended` makes it end and gives its result."""
     pytest.importorskip("cyclonedds", reason="needs the extra llsrbm[wire]")
     domain = random.randrange(20, 200)
-    with simulator(domain) as ended:
+    with simulator(domain, "--robot", "go1") as ended:
         yield SimpleNamespace(domain=domain, ended=ended)
 
 
 def deploy(robot, folder, *options):
     """A player in its own process."""
-    command = [sys.executable, "-m", "llsrbm.cli", "deploy", str(PLANS / "go2.npz")]
+    command = [sys.executable, "-m", "llsrbm.cli", "deploy", str(PLANS / "go1.npz")]
     return subprocess.Popen(
         [*command, "--domain", str(robot.domain), "--tier", "table", *options],
         stdout=subprocess.PIPE,

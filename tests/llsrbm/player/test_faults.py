@@ -173,16 +173,16 @@ def test_a_plan_beyond_its_certificate(name):
 
 
 def test_plans_that_are_refused_for_other_reasons():
-    plan = stored_plan()
-    assert check_plan(plan, GO2, TIERS["table"]).holds
-    with pytest.raises(InputError, match=r"of robot go2, the robot to be played on is anymal"):
+    plan, robot = stored_plan("go1"), load_robot("go1")  # the one whose certificate holds
+    assert check_plan(plan, robot, TIERS["table"]).holds
+    with pytest.raises(InputError, match=r"of robot go1, the robot to be played on is anymal"):
         check_plan(plan, load_robot("anymal"), TIERS["table"])
     failed = replace(plan, report=replace(plan.report, status="failed"))
     with pytest.raises(InputError, match=r"did not converge"):
-        check_plan(failed, GO2, TIERS["table"])
+        check_plan(failed, robot, TIERS["table"])
     moving = replace(plan, jump=replace(plan.jump, type="run-up", speed=0.5))
     with pytest.raises(InputError, match=r"begins or ends with a speed"):
-        check_plan(moving, GO2, TIERS["table"])
+        check_plan(moving, robot, TIERS["table"])
 
 
 def test_a_player_that_is_killed():

@@ -54,6 +54,7 @@ def test_what_is_not_said_is_nominal():
         "board": 0.0, "half_board": False, "seed": None, "noise": None, "detector": "residual",
         "landing": "auto", "solver": "quadprog", "trunk_mass": None, "pushes": (),
         "random_push": None, "estimator": "truth", "replan": False, "replan_latency": "fixed",
+        "drives": "true",
     }  # fmt: skip
     assert llsrbm.Scenario is Scenario
 

@@ -44,7 +44,10 @@ def test_the_second_flight_is_as_much_later_as_the_first_touchdown(hopped):
     plan = hopped.plan
     begun = [hopped.time[hopped.phase == phase][0] for phase in range(5)]
     late = begun[2] - plan.phase_start[2]
-    assert begun[3] - plan.phase_start[3] == pytest.approx(late, abs=2 * hopped.time[1])
+    # What stands is told to rise as early as drives are late; in flight nothing is foreseen.
+    ahead = ROBOT.drive_delay
+    again = begun[3] - plan.phase_start[3]
+    assert again == pytest.approx(late - ahead, abs=2 * hopped.time[1])
     outcome = hopped.outcome
     assert outcome.touchdown_planned_s - plan.phase_start[4] == pytest.approx(late, abs=2e-3)
     assert outcome.touchdown_detected_s == pytest.approx(begun[4])

@@ -23,7 +23,7 @@ def ice(monkeypatch):
 
 
 def a_load_on_the_trunk(monkeypatch):
-    disturbance = Disturbance(trunk_mass_factor=2.55)
+    disturbance = Disturbance(trunk_mass_factor=3.4)
     monkeypatch.setattr(loop, "draw_disturbance", lambda *_: disturbance)
 
 

@@ -42,7 +42,9 @@ def simulated_mass(rollout: Rollout) -> float:
 def test_a_twist_lands_strictly(twist):
     outcome = twist.outcome
     assert outcome.strict, outcome
-    assert abs(np.degrees(outcome.yaw_error_at_touchdown)) < 2
+    # Of these 1.2 are turned before the planned time: the feet, some mm low, touch 10 ms early.
+    assert abs(np.degrees(outcome.yaw_error_at_touchdown)) < 3
+    assert abs(np.degrees(outcome.yaw_error_at_planned_touchdown)) < 1.5
     assert abs(np.degrees(outcome.final_yaw_error)) < 1
     assert outcome.takeoff_joint_speed < 15
     assert outcome.unsolved_ticks == 0
@@ -98,7 +100,9 @@ def test_phases_and_modes_follow_each_other(twist):
     outcome = twist.outcome
     force = twist.time[twist.mode == Mode.FORCE]
     assert force[0] == pytest.approx(outcome.touchdown_detected_s)
-    assert force[-1] - force[0] == pytest.approx(0.1, abs=2 * twist.time[1])
+    # Commands of feet that stand are made for the time at which they act.
+    ahead = load_robot("anymal").drive_delay
+    assert force[-1] - force[0] == pytest.approx(0.1 - ahead, abs=2 * twist.time[1])
     assert outcome.false_touchdowns == 0
     assert 0 <= outcome.touchdown_detected_s - outcome.touchdown_true_s < 0.015
 
