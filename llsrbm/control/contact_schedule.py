@@ -132,6 +132,10 @@ class ContactSchedule:
         """The time of the plan at a time, s."""
         return self._plan_time + time - self._at
 
+    def reference_time(self, time: float) -> float:
+        """The same, but no time of a phase that is over: feet lift up to half a tick early."""
+        return max(self.plan_time(time), float(self._start[self.phase]) + JUST_AFTER)
+
     def lands(self, time: float) -> bool:
         """True if standing feet catch a landing: the first half of a stance between flights."""
         return not self.flying and bool(self.plan_time(time) < self._pushes_from[self.phase])

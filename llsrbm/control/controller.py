@@ -175,7 +175,7 @@ class WholeBodyController:
     def _target(self, time: float) -> Target:
         """The plan, retimed to the last touchdown and raised by the height of its ground."""
         contacts = self.contacts
-        target = self._reference.at(contacts.plan_time(time))
+        target = self._reference.at(contacts.reference_time(time))
         acceleration = target.com_acceleration
         if contacts.flying:
             if time > self.flights[-1].touchdown - JUST_AFTER:

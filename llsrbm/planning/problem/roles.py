@@ -28,7 +28,7 @@ class Role:
         first, last: of the phase's intervals.
         final: in the schedule's last phase.
         clears: whether trunk, knees and flying feet are kept clear of something.
-        lands_upright: after the last flight of a body that turns over.
+        leans: before the last flight of a body that turns over; lands_upright: after it.
         under_way: of a motion that began under way.
         moves_arms: whether the robot has arms that are free.
         shifts: whether where feet will land is a variable; shifted: whether they have landed there.
@@ -49,6 +49,7 @@ class Role:
     last: bool = False
     final: bool = False
     clears: bool = False
+    leans: bool = False
     lands_upright: bool = False
     under_way: bool = False
     moves_arms: bool = False
@@ -135,6 +136,7 @@ def roles_of(
                     last=last,
                     final=p == last_phase,
                     clears=clears and not (p == 0 and first),
+                    leans=turns and p < last_flight,
                     lands_upright=turns and p > last_flight,
                     under_way=under_way,
                     moves_arms=moves_arms,

@@ -15,16 +15,16 @@ from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
-_RISING = 1 / 3  # of the margin, in the first phase
+_RISING = 1 / 3  # of the margin, before flights
 _ANYWHERE = -10.0  # m: a motion under way lands as it can, which is better than no plan
 
 
 class KneeHeight(Constraint):
     """z_knee - z_foot >= thickness + margin, of legs that stand in the first or the last phase.
 
-    The thickness is that of the thigh at its knee. In simulations legs bend deeper than planned as
-    they land: knees come up to 45 mm lower (Go2), 70 mm (ANYmal); in the first phase a share of
-    the margin is enough.
+    And of those on which a body leans that is to turn over. The thickness is that of the thigh at
+    its knee. In simulations legs bend deeper than planned as they land: knees come up to 45 mm
+    lower (Go2), 70 mm (ANYmal); before flights a share of the margin is enough.
     """
 
     name = "knee_height"
@@ -47,8 +47,8 @@ class KneeHeight(Constraint):
         return knee_joint(task.robot) is not None
 
     def applies(self, role: Role) -> bool:
-        """Where a foot stands in the first or the last phase: others are short."""
-        outer = role.final or role.phase == 0
+        """Where a foot stands in the first or the last phase, or a body leans: others are short."""
+        outer = role.final or role.phase == 0 or role.leans
         return outer and bool(role.standing) and not role.terminal and not role.initial
 
     def rows(self, stage: Stage) -> Any:
