@@ -17,7 +17,7 @@ from llsrbm.control.joint_bounds import JointBounds
 from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
-from llsrbm.control.take_off import TakeOff
+from llsrbm.control.take_off import TakeOff, leaving
 from llsrbm.control.unmodelled import Unmodelled
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
@@ -39,10 +39,6 @@ _STOPS_SWEEPING = 3.0
 _SEEKS = 10.0
 # Where a take-off is steered the CoM's accelerations go with the momentum's rate: they count more.
 _STEERED = 10.0
-# Legs that have pushed a body over stop their sweep as they leave, at 20 rad/s and with rotors. On
-# soft ground feet carry load for some ms more, and dragged over it they took 6 % of a front flip's
-# momentum: below that height, m, and for so long, s, they go straight up instead.
-_LEAVES, _LEAVING = 0.02, 0.0045
 _SINKING = -0.1  # m/s; a plan lands at least as fast
 _STRETCH = 0.05  # m; farther from its planned height a robot meets other ground than planned
 
@@ -188,7 +184,8 @@ class WholeBodyController:
             else:
                 target = self._reaching(target)
                 if self._reference.plan.jump.turns:
-                    target = self._leaving(target, time - self.flights[-1].lift_off)
+                    since = time - self.flights[-1].lift_off
+                    target = leaving(target, self._body, since, contacts.foothold[:, 2])
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
         return replace(target, com=raised, com_acceleration=acceleration)
@@ -208,28 +205,6 @@ class WholeBodyController:
             target,
             foot_from_com=target.foot_from_com + self._stretch,
             foot_velocity_from_com=target.foot_velocity_from_com + rate,
-        )
-
-    def _leaving(self, target: Target, since: float) -> Target:
-        """Feet that still are on the ground, `since` lift-off, s: they rise from where they are."""
-        low = self._body.foot[:, 2] < self.contacts.foothold[:, 2] + _LEAVES
-        if since >= _LEAVING or not low.any():
-            return target
-        place, rate, acceleration = (
-            values.copy()
-            for values in (
-                target.foot_from_com,
-                target.foot_velocity_from_com,
-                target.foot_acceleration_from_com,
-            )
-        )
-        place[low, :2] = (self._body.foot - self._body.com)[low, :2]
-        rate[low, :2], acceleration[low, :2] = -self._body.com_velocity[:2], 0.0
-        return replace(
-            target,
-            foot_from_com=place,
-            foot_velocity_from_com=rate,
-            foot_acceleration_from_com=acceleration,
         )
 
     def _foot_target(self, target: Target) -> Array:

@@ -92,6 +92,16 @@ def test_feet_leave_by_the_clock():
     assert run.robot.resets == 1
 
 
+def test_feet_that_leave_early_follow_the_phase_that_begins():
+    """Half a tick before the clock's time, whose target would have pushed with other feet."""
+    run, early = Run(rear_last()), 0.375 - TICK / 4
+    assert run.until(0.37).reference_time(0.3725) == pytest.approx(0.3725)
+    run.contacts.follow_clock(early)
+    assert run.contacts.phase == 1
+    assert run.contacts.plan_time(early) < 0.375 < run.contacts.reference_time(early) < 0.377
+    assert run.contacts.reference_time(0.4) == pytest.approx(0.4)
+
+
 def test_a_flight_ends_when_something_is_hit_and_not_before():
     run = Run(ONE)
     assert run.until(3.0).flying

@@ -9,7 +9,8 @@ import pytest
 
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.problem.constraints.knees import KneeHeight
+from llsrbm.planning.solve.planner import layout_of, planner_for
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
@@ -70,6 +71,15 @@ def test_a_thigh_touches_what_is_as_far_below_its_knee_as_it_is_thick(name):
             least, coal.distance(shape.geometry(), here, floor, coal.Transform3s(), request, result)
         )
     assert -1e-3 < least < 0.02  # directions 10 degrees apart
+
+
+@pytest.mark.parametrize(("kind", "pushes"), [("flip", True), ("rear-last", False)])
+def test_legs_on_which_a_body_leans_keep_their_knees_up(kind, pushes):
+    turn = {"pitch": -2 * np.pi} if kind == "flip" else {"forward": 0.3}
+    roles = layout_of(Jump(robot="go2", type=kind, **turn), load_robot("go2")).roles
+    push = [role for role in roles if role.phase == 1]
+    assert all(len(role.standing) == 2 for role in push)
+    assert [KneeHeight().applies(role) for role in push] == [pushes] * len(push)
 
 
 def test_robots_without_knees_have_no_such_limit():

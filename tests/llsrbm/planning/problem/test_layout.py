@@ -175,6 +175,7 @@ def test_front_feet_swing_from_the_push_to_the_landing():
 def test_a_body_that_turns_over_lands_upright_after_the_last_flight(layout):
     flights = [p for p, row in enumerate(layout.stands) if not any(row)]
     for role in layout.roles[:-1]:
+        assert role.leans == (layout.turns and role.phase < flights[-1])
         assert role.lands_upright == (layout.turns and role.phase > flights[-1])
         assert role.clears == (layout.clears and not role.initial)
 
