@@ -190,7 +190,7 @@ def foot_speed(plan):
 
 
 TWIST, FORWARD = {"twist": 1.6}, {"forward": 0.5}
-FAR = {"twist": 2.7, "height": 0.2}
+FAR = {"twist": 2.45, "height": 0.2}
 HIGH = {"height": 0.25, "forward": 0.2}
 SLOW = {"time": 0.01}  # otherwise phases are as short as they may be, and no longest one binds
 
@@ -201,7 +201,7 @@ BINDING = {
     "takeoff_min": (FORWARD, {}, 0.7, duration(0), 1e-3),
     "takeoff_max": (FORWARD, SLOW, 0.45, duration(0), 1e-3),
     "flight_min": (FORWARD, {}, 0.45, duration(1), 1e-3),
-    "flight_max": (FAR, {}, 0.3065, duration(1), 1e-3),
+    "flight_max": (FAR, {}, 0.305, duration(1), 1e-3),
     "landing_min": (FORWARD, {}, 0.7, duration(2), 1e-3),
     "landing_max": (FORWARD, SLOW, 0.55, duration(2), 1e-3),
     "reach_min": (HIGH, {}, 0.3, shortest_leg, 1e-3),
@@ -210,7 +210,7 @@ BINDING = {
     "reach_x_max": (FORWARD, {}, 0.12, box(np.max, 0), 1e-3),
     "reach_y_min": (TWIST, {}, -0.1, box(np.min, 1), 1e-3),
     "reach_y_max": (TWIST, {}, 0.1, box(np.max, 1), 1e-3),
-    "reach_z_min": (FORWARD, {}, -0.5, box(np.min, 2), 1e-3),
+    "reach_z_min": (FORWARD, {}, -0.49, box(np.min, 2), 1e-3),
     "reach_z_max": ({"height": 0.3, "forward": 0.4}, {}, -0.275, box(np.max, 2), 1e-3),
     "clearance": (FORWARD, {}, 0.15, highest_foot, 1e-3),
     "feet_apart": (TWIST, {}, 0.35, nearest_feet, 1e-3),

@@ -67,7 +67,8 @@ def test_the_dynamics_that_are_made_linear_are_pinocchios(standing):
     about = feedback._About(robot, q, v, at.joint_torque)
     about._places = about._stand_at(q[0])
     stands = np.full(len(robot.legs), standing)
-    a, _ = about._acceleration(q[0], v[0], at.joint_torque[0], stands)
+    # The torque less what friction takes of it.
+    a, _ = about._acceleration(q[0], v[0], about._torque[0], stands)
     if standing:
         force = at.foot_force.reshape(1, -1, 3)
         effort = efforts(robot, q, v, a[None], force)[0]
