@@ -64,7 +64,7 @@ def test_the_objective_is_the_weighted_sum(model, request_name):
 
 # By default every phase is as short as allowed, so time can only be made less dear.
 FACTORS = {
-    "force_smoothness": 10.0,
+    "force_smoothness": 100.0,
     "force_magnitude": 1000.0,
     "foot_movement": 50.0,
     "swing_effort": 20.0,
