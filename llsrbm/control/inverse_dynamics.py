@@ -93,6 +93,8 @@ class InverseDynamics:
         """Torques for the body's present state, within `torque_limits`: lowest, highest, (J,) each.
 
         `friction`: (J,) Nm or N that the drives give beside what moves rotors and links;
+        `unmodelled`: (n,) accelerations that come beside those of the torques
+        (`llsrbm.control.unmodelled`);
         `accelerations`: lowest and highest of the joints, likewise, that stops and speeds allow;
         `apart`: S (k, J), least (k,) of `llsrbm.control.link_bounds.LinkBounds.rows`;
         `contact`: (C,) whether a point may push; `force`: (C, 3) N wanted; `force_weight`: 1/N2.
