@@ -131,8 +131,9 @@ class WholeBodyController:
         body, contacts, measured = self._body, self.contacts, measurement
         self._delay.measured(measured.torque)
         self._unmodelled.measured(measured.v, self._delay.acted(), contacts.standing)
-        if not contacts.flying:
-            measurement = self._delay.met(measured, body)
+        foreseen = self._delay.met(measured, body)
+        flew = contacts.flying
+        measurement = measured if flew else foreseen
         time = measurement.time
         body.update(measurement.q, measurement.v)
         if contacts.follow_clock(time):
@@ -151,6 +152,9 @@ class WholeBodyController:
         if landed:
             planned = self._reference.late(contacts.phase - 1).com_velocity[2]
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
+        if flew and contacts.flying:
+            time = foreseen.time
+            body.update(foreseen.q, foreseen.v)
         target = self._target(time)
         mode = self._mode(time)
         command = self._solve(target, mode, time)
