@@ -133,7 +133,12 @@ class ContactSchedule:
         return self._plan_time + time - self._at
 
     def reference_time(self, time: float) -> float:
-        """The same, but no time of a phase that is over: feet lift up to half a tick early."""
+        """The same, but no time of a phase that is over: feet lift up to half a tick early.
+
+        Before the plan's start it is negative: the robot stands.
+        """
+        if self.phase == 0:
+            return self.plan_time(time)
         return max(self.plan_time(time), float(self._start[self.phase]) + JUST_AFTER)
 
     def lands(self, time: float) -> bool:

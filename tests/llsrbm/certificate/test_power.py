@@ -17,13 +17,12 @@ from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives import with_drives
-from llsrbm.robots.schema import robot_files
 from llsrbm.simulation.scene import build_scene
 from tests.llsrbm.formats.jumps import planned, simulated
+from tests.llsrbm.robots.edited import with_table
 
 CONSTANT, RESISTANCE, VOLTAGE = np.tile([0.6, 0.6, 1.2], 4), 0.2, 25.0
 ELECTRICAL = f"""
-[drives.electrical]
 torque_constant = [0.6, 0.6, 1.2]
 resistance = {RESISTANCE}
 voltage = {VOLTAGE}
@@ -31,9 +30,9 @@ voltage = {VOLTAGE}
 
 
 def robot_file(folder, limits=""):
-    """Go2 with electrical numbers, and limits of them."""
+    """Go2 with these electrical numbers, and limits of them."""
     path = folder / "mine.toml"
-    path.write_text(f"{robot_files()['go2'].read_text()}{ELECTRICAL}{limits}\n")
+    path.write_text(with_table("go2", "drives.electrical", ELECTRICAL + limits))
     return path
 
 
@@ -97,7 +96,7 @@ def test_a_rollouts_figures_are_integrals_of_its_file(tmp_path):
 
 
 def test_a_plans_figures_are_sums_over_its_intervals():
-    plan = planned("go2")
+    plan = planned("anymal")  # whose file has no electrical numbers
     middles = (plan.joint_velocity[1:] + plan.joint_velocity[:-1]) / 2
     work = plan.joint_torque[:-1] * middles * np.diff(plan.time)[:, None]
     stated = plan_summary(plan)["power"]

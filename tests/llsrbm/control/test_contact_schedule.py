@@ -102,6 +102,13 @@ def test_feet_that_leave_early_follow_the_phase_that_begins():
     assert run.contacts.reference_time(0.4) == pytest.approx(0.4)
 
 
+def test_before_the_plan_there_is_no_time_of_it():
+    """A player's robot stands for a second there; the plan's first forces would lower it."""
+    contacts = ContactSchedule(ONE, Robot(), Robot(), TICK)
+    for time in (-1.0, -TICK, 0.0):
+        assert contacts.reference_time(time) == time
+
+
 def test_a_flight_ends_when_something_is_hit_and_not_before():
     run = Run(ONE)
     assert run.until(3.0).flying

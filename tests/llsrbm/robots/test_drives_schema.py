@@ -5,19 +5,12 @@ import pytest
 
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import robot_files
+from tests.llsrbm.robots.edited import with_table
 from tests.llsrbm.robots.mistakes import check_one_clear_line
 
 
-def text(drives, robot="go2"):
-    """A robot file with another [drives]."""
-    before, _, after = robot_files()[robot].read_text().partition("[drives]\n")
-    tables = after.split("\n[")
-    rest = [f"[{table}" for table in tables[1:] if not table.startswith("drives.")]
-    return before + "\n" + "\n".join(rest) + f"\n[drives]\n{drives}\n"
-
-
 def robot_with(path, drives, robot="go2"):
-    path.write_text(text(drives, robot))
+    path.write_text(with_table(robot, "drives", drives))
     return load_robot(str(path))
 
 
@@ -47,7 +40,7 @@ def robot_with(path, drives, robot="go2"):
     ],
 )
 def test_a_mistake_is_one_clear_line(tmp_path, robot, drives, expected):
-    check_one_clear_line(tmp_path / "mine.toml", text(drives, robot), expected)
+    check_one_clear_line(tmp_path / "mine.toml", with_table(robot, "drives", drives), expected)
 
 
 @pytest.mark.parametrize("name", ["go2", "g1"])

@@ -4,22 +4,18 @@ import numpy as np
 import pytest
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.schema import robot_files
 from llsrbm.robots.windings import Windings
+from tests.llsrbm.robots.edited import with_table
 from tests.llsrbm.robots.mistakes import check_one_clear_line
 
 LEGS = f"torque_constant = {[0.5] * 6}\nresistance = 0.2\nheat = {[40.0] * 6}\n"
-
-
-def text(table, robot="g1"):
-    return f"{robot_files()[robot].read_text()}\n[drives.electrical]\n{table}"
+TABLE = "drives.electrical"
 
 
 def test_legs_and_arms_have_their_own(tmp_path):
     path = tmp_path / "mine.toml"
-    path.write_text(
-        text(f"{LEGS}[drives.electrical.arms]\ntorque_constant = 0.1\nresistance = 0.3\n")
-    )
+    arms = f"[{TABLE}.arms]\ntorque_constant = 0.1\nresistance = 0.3\n"
+    path.write_text(with_table("g1", TABLE, LEGS + arms))
     robot = load_robot(str(path))
     windings = Windings.of(robot)
     legs, arms = robot.leg_joint_index.ravel(), robot.arm_joint_index
@@ -46,4 +42,4 @@ def test_legs_and_arms_have_their_own(tmp_path):
     ],
 )
 def test_a_mistake_is_one_clear_line(tmp_path, robot, table, expected):
-    check_one_clear_line(tmp_path / "mine.toml", text(table, robot), expected)
+    check_one_clear_line(tmp_path / "mine.toml", with_table(robot, TABLE, table), expected)
