@@ -96,11 +96,12 @@ class Crew:
 
     def retire(self, member: Member) -> None:
         """A spare process has gone: a successor that has failed, or the one whose place it took."""
+        if member.may_start:  # a successor: no other one before the heavy one says so again
+            for other in self.members:
+                other.heavy = False
         member.may_start = False
         member.todo.clear()
         member.loaded.clear()
-        for other in self.members:  # until it says so again
-            other.heavy = False
 
     def start_thread(self, target: Callable[[], None], name: str) -> None:
         """A thread that `join` waits for."""

@@ -205,7 +205,7 @@ class WorkerPool:
     def _ended(self, member: Member, how: str) -> None:
         """A process has gone: fail its job; a new one takes its place."""
         was_ready, expected = member.ready, member.ending
-        member.running = member.ready = member.ending = False
+        member.running = member.ready = member.ending = member.heavy = False
         if self._refusal:
             return
         entry, task = member.working_on, member.task
