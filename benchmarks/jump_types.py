@@ -2,7 +2,6 @@
 
     python -m benchmarks.jump_types score --seeds 1000:1020
     python -m benchmarks.jump_types score --names flip --robots go2 --estimator imu
-    python -m benchmarks.jump_types score --names roll --robots go2
     python -m benchmarks.jump_types reach --robots anymal,go2
     python -m benchmarks.jump_types public
     python -m benchmarks.jump_types tuck
@@ -64,7 +63,6 @@ class Case(NamedTuple):
     hops: int = 1
     speed: float = 0.0
     pitch: float = 0.0
-    roll: float = 0.0
     height: float = 0.0
 
 
@@ -88,8 +86,6 @@ CASES = (
         for name, turn in (("front", math.tau), ("back", -math.tau))
         for below in (30, 40, 50)
     ),
-    Case("barrel roll to the right", "barrel-roll", ("go2",), 0.0, roll=math.tau),
-    Case("barrel roll to the left", "barrel-roll", ("go2",), 0.0, roll=-math.tau),
 )
 
 
@@ -140,7 +136,6 @@ def score(
                 hops=case.hops,
                 speed=case.speed,
                 pitch=case.pitch,
-                roll=case.roll,
                 height=case.height,
             )
             cells = judged(jump, seeds_of(seeds), estimator, regeneration)

@@ -44,11 +44,8 @@ def type_of_title(title: str, otherwise: str) -> str:
 
 def not_supported(robot: Robot, name: str) -> str:
     """The sentence that says that a robot's jump is of the default type instead."""
-    known = jump_types.names()
-    turns = name in known and _turns(known[name])
-    what = "flips" if turns else f'"{title_of_type(name)}"'
-    default = title_of_type(jump_types.DEFAULT)
-    return f'{robot.file.title} does not support {what}. Planning "{default}" instead.'
+    what, default = title_of_type(name), title_of_type(jump_types.DEFAULT)
+    return f'{robot.file.title} does not support "{what}". Planning "{default}" instead.'
 
 
 def with_type(jump: Jump, name: str) -> Jump:

@@ -21,6 +21,7 @@ from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.schema import read_robot_file, robot_files
 
 Array = NDArray[np.float64]
 
@@ -98,9 +99,11 @@ def check_turns(jump: Jump, robot: Robot) -> None:
         if not getattr(jump, axis):
             continue
         if axis not in axes:
+            files = robot_files().values()
+            others = [f.name for f in map(read_robot_file, files) if axis in f.turning_axes]
             raise InputError(
-                f"{axis}: no plan of {robot.name} with whole turns of {axis} is known; expected "
-                f'{" or ".join(axes)}, or {axis} among "axes" of [turning] in its file'
+                f"{axis}: the file of {robot.name} allows {' and '.join(axes)} alone "
+                f'("axes" of [turning]); robots that {axis}: {", ".join(others) or "none"}'
             )
         if axis not in parameters:
             types = [name for name, kind in jump_types().items() if axis in kind.parameters]

@@ -66,7 +66,6 @@ def test_a_number_of_the_type_is_a_number_like_others(tab):
     ("before", "after"),
     [
         ({"type": "flip"}, {"pitch": -BACK}),
-        ({"type": "barrel-roll"}, {"roll": BACK}),
         ({"type": "hops"}, {"hops": 3}),
     ],
 )

@@ -80,8 +80,14 @@ def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("barrel-roll --robot go1", "roll: no plan of go1 with whole turns of roll is known; "),
-        ("hops --robot go2 --roll 360", "roll: jumps of type hops do not turn so; expected the ty"),
+        (
+            "barrel-roll --robot go2",
+            'roll: the file of go2 allows pitch alone ("axes" of [turning]); robots that roll: none',
+        ),
+        (
+            "hops --robot go2 --pitch 360",
+            "pitch: jumps of type hops do not turn so; expected the t",
+        ),
         ("flip --robot anymal", "anymal has no table [turning] in its file"),
     ],
 )

@@ -10,9 +10,10 @@ from llsrbm.errors import InputError
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.parameters import parameters
-from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
+from tests.llsrbm.robots.edited import rolling
 
 ROBOT = load_robot("anymal")
 ASKED = ROBOT.file.task
@@ -93,3 +94,12 @@ def test_weights_that_are_none(weights, parts):
     assert "\n" not in str(caught.value)
     for part in parts:
         assert part in str(caught.value)
+
+
+def test_whole_turns_are_those_of_the_robots_file(tmp_path):
+    jump = Jump(type="barrel-roll", roll=2 * np.pi)
+    check_turns(jump, rolling(tmp_path))
+    with pytest.raises(InputError, match="the file of go2 allows pitch alone"):
+        check_turns(jump, load_robot("go2"))
+    flip = replace(jump, type="flip", roll=0.0, pitch=2 * np.pi)
+    check_turns(flip, load_robot("go2"))
