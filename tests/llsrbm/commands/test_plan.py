@@ -82,7 +82,7 @@ def test_a_wrong_type_or_turn_is_bad_input(planner, words, said, capsys):
     [
         (
             "barrel-roll --robot go2",
-            'roll: the file of go2 allows pitch alone ("axes" of [turning]); robots that roll: none',
+            'roll: the file of go2 allows pitch alone ("axes" of [turning]); robots that roll: ',
         ),
         (
             "hops --robot go2 --pitch 360",
