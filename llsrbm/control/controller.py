@@ -68,7 +68,9 @@ class WholeBodyController:
         self._settings = settings
         self._tick = 1.0 / settings.rate
         self._robot = robot
-        self.landing = landing.resolved(scenario.landing, settings.force_phase)
+        self.landing = landing.resolved(
+            scenario.landing, settings.force_phase, turns=plan.jump.turns
+        )
         self._landing = landing.landing_strategy(self.landing)
         self._body = body = WholeBody(robot)
         # The same share of what the plan was made with as of what the robot is planned with.
@@ -125,8 +127,8 @@ class WholeBodyController:
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows.
 
-        While feet stand for the state and the time at which they will begin to act; in flight it
-        listens for the ground, and what is predicted has not happened.
+        They are for the state and the time at which they will begin to act; in flight the ground is
+        listened for in what is measured, as what is predicted has not happened.
         """
         body, contacts, measured = self._body, self.contacts, measurement
         self._delay.measured(measured.torque)

@@ -36,7 +36,10 @@ def _scaled(planned: Array, standing: Array, share: float) -> Array:
 
 
 AUTO = "auto"
-_AUTO = "scaled where the robot file has a force phase, tracking where it has none (the default)"
+_AUTO = (
+    "scaled where the robot file has a force phase, tracking where it has none and in flips, whose "
+    "legs have little stroke left (the default)"
+)
 _STRATEGIES = {
     "scaled": LandingStrategy(
         "force phase with the plan's forces, scaled about the weight to the momentum met",
@@ -64,14 +67,16 @@ def check_name(name: str) -> None:
     look_up("landing strategy", name, names())
 
 
-def resolved(name: str, force_phase: float) -> str:
+def resolved(name: str, force_phase: float, *, turns: bool = False) -> str:
     """The strategy of a name, or of "auto" on a robot that follows forces for `force_phase`, s.
+
+    `turns`: the body turns over. It lands deep, and forces that are followed do not see how deep.
 
     Raises `InputError`: no such strategy, or one that follows forces on a robot that never does.
     """
     check_name(name)
     if name == AUTO:
-        return "scaled" if force_phase > 0 else "tracking"
+        return "scaled" if force_phase > 0 and not turns else "tracking"
     if _STRATEGIES[name].follows_forces and force_phase == 0:
         raise InputError(
             f'landing: "{name}" follows forces after touchdown, and the robot file has no force '

@@ -30,6 +30,8 @@ def test_the_papers_landing_takes_the_plans_forces():
 def test_auto_is_what_the_robot_file_says():
     assert resolved("auto", 0.2) == "scaled"
     assert resolved("auto", 0.0) == "tracking"
+    assert resolved("auto", 0.2, turns=True) == "tracking"
+    assert resolved("scaled", 0.2, turns=True) == "scaled"
 
 
 @pytest.mark.parametrize("name", ["scaled", "planned"])
