@@ -16,7 +16,6 @@ from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
 _RISING = 1 / 3  # of the margin, before flights
-_ANYWHERE = -10.0  # m: a motion under way lands as it can, which is better than no plan
 
 
 class KneeHeight(Constraint):
@@ -24,7 +23,8 @@ class KneeHeight(Constraint):
 
     And of those on which a body leans that is to turn over. The thickness is that of the thigh at
     its knee. In simulations legs bend deeper than planned as they land: knees come up to 45 mm
-    lower (Go2), 70 mm (ANYmal); before flights a share of the margin is enough.
+    lower (Go2), 70 mm (ANYmal); before flights a share of the margin is enough. Motions under way
+    keep to it too: without, ANYmal's thighs lay on the ground after each of 12 replanned pushes.
     """
 
     name = "knee_height"
@@ -67,8 +67,7 @@ class KneeHeight(Constraint):
         role = layout.roles[knot]
         rows = len(role.standing) if self.concerns(task) else 0
         margin = task.limits.knee_margin * (1.0 if role.final else _RISING)
-        least = _ANYWHERE if task.motion is not None else knee_room(task.robot) + margin
-        return np.full(rows, least), np.full(rows, np.inf)
+        return np.full(rows, knee_room(task.robot) + margin), np.full(rows, np.inf)
 
 
 class LegsApart(Constraint):
