@@ -133,17 +133,21 @@ def test_the_first_plan_is_followed_until_a_push(takes):
     assert np.mean([np.isfinite(replan.applied) for replan in after]) > 0.8
 
 
-def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
+def test_pushes_in_mid_flight_are_recovered_from_only_by_planning_anew(takes):
+    """With knees off the ground: legs that may lie down land less tilted."""
     takes(0.015)
-    # To the side on which no knee meets the ground, as it does in others' landings.
-    push = (Push(middle(), tuple(-x for x in ASIDE)),)
+    push = (Push(middle(), ASIDE),)
     without, anew = (
-        simulate(plan(), ROBOT, Scenario(seed=2, noise=1.0, pushes=push, replan=on)).outcome
+        [
+            simulate(plan(), ROBOT, Scenario(seed=seed, noise=1.0, pushes=push, replan=on)).outcome
+            for seed in (1, 2, 3)
+        ]
         for on in (False, True)
     )
-    assert not without.recovered
-    assert anew.recovered
-    assert anew.peak_tilt < 0.6 * without.peak_tilt
+    assert not any(outcome.recovered for outcome in without)
+    assert all(outcome.recovered for outcome in anew)
+    tilt = [sum(outcome.peak_tilt for outcome in outcomes) for outcomes in (without, anew)]
+    assert tilt[1] < 0.7 * tilt[0]
 
 
 def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
