@@ -19,9 +19,6 @@ from llsrbm.control.whole_body import WholeBody, solved
 Array = NDArray[np.float64]
 
 _NONE, _IDENTITY = np.zeros(3), np.eye(3)
-_DOWNWARDS = np.array([0.0, 0.0, -0.5])
-"""Velocity (m/s) of a foot that still is in the air after touchdown of another."""
-
 
 class Motion(NamedTuple):
     """Motion of m task coordinates x, for n velocities v of the robot."""
@@ -200,10 +197,11 @@ class SwingFeet(Task):
 
 
 class SeekingFeet(Task):
-    """Velocities of feet that look for the ground while others stand, m/s."""
+    """Velocities of feet that look for the ground while others stand: down at `speed`, m/s."""
 
-    def __init__(self, feet: Sequence[int], damping: float) -> None:
+    def __init__(self, feet: Sequence[int], speed: float, damping: float) -> None:
         super().__init__((0.0, damping))
+        self._downwards = np.array([0.0, 0.0, -speed])
         self._feet = _places(feet)
         self.rows = 3 * len(feet)
         self._none = np.zeros(self.rows)
@@ -214,7 +212,7 @@ class SeekingFeet(Task):
             body.foot_jacobian[i].reshape(self.rows, -1),
             body.foot_bias[i].ravel(),
             self._none,
-            (_DOWNWARDS - body.foot_velocity[i]).ravel(),
+            (self._downwards - body.foot_velocity[i]).ravel(),
             self._none,
         )
 

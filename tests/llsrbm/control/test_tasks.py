@@ -14,7 +14,7 @@ ALL = {
     "com": tasks.CentreOfMass((0.0, 0.0)),
     "orientation": tasks.BaseOrientation((0.0, 0.0)),
     "swing": tasks.SwingFeet([2], (0.0, 0.0)),
-    "seeking": tasks.SeekingFeet([1], 0.0),
+    "seeking": tasks.SeekingFeet([1], 0.5, 0.0),
     "standing": tasks.StandingFeet([3], 1, 0.0),
     "momentum": tasks.AngularMomentum(0.0),
     "posture": tasks.Posture(range(12), 18, (0.0, 0.0)),
@@ -93,7 +93,7 @@ def test_foot_orientation_wants_a_level_sole_with_the_plans_heading():
     "task",
     [
         lambda feet: tasks.SwingFeet(feet, (500.0, 40.0)),
-        lambda feet: tasks.SeekingFeet(feet, 40.0),
+        lambda feet: tasks.SeekingFeet(feet, 0.5, 40.0),
         lambda feet: tasks.StandingFeet(feet, 1, 20.0),
     ],
 )
