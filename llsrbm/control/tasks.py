@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 
 _NONE, _IDENTITY = np.zeros(3), np.eye(3)
 
+
 class Motion(NamedTuple):
     """Motion of m task coordinates x, for n velocities v of the robot."""
 
