@@ -29,7 +29,8 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess
 from llsrbm.planning.solve.formulation import CAUTIOUS, CLOSE, Attempt, Formulation
-from llsrbm.planning.solve.planner import Planner, layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
+from llsrbm.planning.solve.planner import Planner
 from llsrbm.planning.solve.progress import Watch
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot

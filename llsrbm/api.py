@@ -15,7 +15,8 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import INTERVALS, planner_of
+from llsrbm.planning.solve.jump_layout import INTERVALS
+from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.planning.solve.progress import PlanningProgress
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
@@ -48,19 +49,15 @@ def plan(
         intervals: N, shared evenly by the three phases.
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
-        near: a plan of another request to the same robot and model to start from, which is faster
-            a few degrees or centimetres away.
+        near: a plan of a nearby request to the same robot and model to start from, for speed.
         guesses: begin from solutions nearby that come with the project, where there are some.
-        patient: look for the nearest jump that can be planned where the request cannot at once; now
-            and then that is the request itself. Otherwise the first attempts are all.
+        patient: look for the nearest jump that can be planned where the request cannot at once,
+            now and then the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
-        hurried: take the first nearer jump that is found and explain nothing, for a slider that
-            moves: in half the time or less.
-        refine: a second stage on the whole body's equations of motion, with every joint's stops,
-            drives and friction, near the plan of the first. Where it does not converge the first
-            one's plan is returned: `Plan.refined` says which.
-        cancelled: asked before and during every attempt and while solvers are built; True ends with
-            `Cancelled` within 0.1 s.
+        hurried: for a slider that moves: the first nearer jump, unexplained, in half the time.
+        refine: a second stage with the whole body's equations of motion and every joint's stops,
+            drives and friction; `Plan.refined`: it converged, else the first one stands.
+        cancelled: asked all the while, also while solvers are built; True: `Cancelled` in 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
     Raises:
@@ -73,9 +70,7 @@ def plan(
     jump = of_its_type(jump)
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
-    start = time.perf_counter()
-    planner = planner_of(jump, solver, intervals, cancelled=cancelled)
-    build_time = time.perf_counter() - start
+    planner, build_time = _timed_planner(jump, solver, intervals, cancelled)
     result = planner.plan(
         jump,
         weights=weights,
@@ -90,6 +85,15 @@ def plan(
     )
     result = replace(result, report=replace(result.report, build_time_s=build_time))
     return refined(result, cancelled=cancelled, progress=progress) if refine else result
+
+
+def _timed_planner(
+    jump: Jump, solver: str, intervals: int, cancelled: Callable[[], bool] | None
+) -> tuple[Planner, float]:
+    """A jump's planner, and the time (s) that building it took."""
+    start = time.perf_counter()
+    planner = planner_of(jump, solver, intervals, cancelled=cancelled)
+    return planner, time.perf_counter() - start
 
 
 def simulate(

@@ -15,8 +15,19 @@ from llsrbm.request.jump import Jump
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from llsrbm.atlas.colours import Colour
     from llsrbm.atlas.jumps import Atlas, Axis, Jumps
     from llsrbm.atlas.map import Map
+
+
+_Intervals = Annotated[
+    bool,
+    typer.Option(
+        "--intervals",
+        help="In place of maps: what can be planned along each number of a request, the others "
+        "being those of --at [default: 0]; guessed from samples, in rad and m.",
+    ),
+]
 
 
 def atlas_command(
@@ -50,14 +61,7 @@ def atlas_command(
             help="Nearest slice, as height=0.1 or twist=90 (deg); repeatable [default: all].",
         ),
     ] = None,
-    intervals: Annotated[
-        bool,
-        typer.Option(
-            "--intervals",
-            help="In place of maps: what can be planned along each number of a request, the others "
-            "being those of --at [default: 0]; guessed from samples, in rad and m.",
-        ),
-    ] = False,
+    intervals: _Intervals = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
@@ -65,29 +69,34 @@ def atlas_command(
     None ships at present: `llsrbm sweep atlas --out DIR` makes one, `llsrbm atlas DIR` draws it.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.atlas.colours import COLOURS
         from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
-        from llsrbm.request.messages import choices
 
         if intervals:
             found = {name: _intervals(name, at or ()) for name in robot or [Jump().robot]}
             console.print_result({"robots": found}, _in_words(found), stdout, as_json=as_json)
             return console.DONE
         source = shipped_atlas() if sweep is None else sweep
-        if colour not in COLOURS:
-            raise InputError(f'--colour: no "{colour}"; {choices(colour, COLOURS)}')
+        shown = _colour(colour)
         atlas = read_atlas(source)
-        groups = _groups(atlas, robot or ())
-        maps = [_map(jumps, x, y, colour, at or ()) for jumps in groups]
+        maps = [_map(jumps, x, y, shown, at or ()) for jumps in _groups(atlas, robot or ())]
         if out is not None:
             from llsrbm.atlas.picture import write_picture
 
-            write_picture(maps, [_title(jumps) for jumps in groups], out)
+            write_picture(maps, [_title(each.jumps) for each in maps], out)
         if table is not None:
             write_small(source, table)
         result = {"title": atlas.title, "maps": [_summary(each) for each in maps]}
         console.print_result(result, _description(result), stdout, as_json=as_json)
     return console.DONE
+
+
+def _colour(name: str) -> Colour:
+    from llsrbm.atlas.colours import COLOURS
+    from llsrbm.request.messages import choices
+
+    if name not in COLOURS:
+        raise InputError(f'--colour: no "{name}"; {choices(name, COLOURS)}')
+    return COLOURS[name]
 
 
 def _groups(atlas: Atlas, robots: Sequence[str]) -> list[Jumps]:
@@ -99,8 +108,7 @@ def _groups(atlas: Atlas, robots: Sequence[str]) -> list[Jumps]:
     return [jumps for jumps in atlas.groups if not robots or jumps.robot in robots]
 
 
-def _map(jumps: Jumps, x: str, y: str, colour: str, at: Sequence[str]) -> Map:
-    from llsrbm.atlas.colours import COLOURS
+def _map(jumps: Jumps, x: str, y: str, colour: Colour, at: Sequence[str]) -> Map:
     from llsrbm.atlas.map import ALL, NEAREST, map_of
 
     across, up = _axis(jumps, "--x", x), _axis(jumps, "--y", y)
@@ -108,7 +116,7 @@ def _map(jumps: Jumps, x: str, y: str, colour: str, at: Sequence[str]) -> Map:
         raise InputError(f'--x and --y: both are "{x}"; expected two different axes')
     slices = dict(_slice(jumps, text) for text in at)
     how = NEAREST if at else ALL
-    return map_of(jumps, across, up, COLOURS[colour], projection=how, design=slices)
+    return map_of(jumps, across, up, colour, projection=how, design=slices)
 
 
 def _axis(jumps: Jumps, option: str, name: str) -> Axis:

@@ -42,6 +42,21 @@ class _Wire(NamedTuple):
     released: bool
 
 
+_Released = Annotated[
+    bool,
+    typer.Option(
+        "--released",
+        help="The robot's own controller was ended by hand; no motion switcher has to answer.",
+    ),
+]
+_Log = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE", help="Log of the play, MCAP [default: PLAN-<date>-<time>.mcap, here]."
+    ),
+]
+
+
 def deploy_command(
     file: Annotated[
         Path | None,
@@ -53,31 +68,16 @@ def deploy_command(
             metavar="R", help="Name or file of the robot on the wire [default: the plan's]."
         ),
     ] = None,
-    interface: Annotated[
-        str, typer.Option(metavar="IF", help="Network interface; lo: `llsrbm robot-sim`.")
-    ] = "lo",
-    domain: Annotated[
-        int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")
-    ] = None,
+    interface: options.Interface = "lo",
+    domain: options.Domain = None,
     tier: Annotated[
         str, typer.Option(help="closed-loop (controller and estimator) or table (gains alone).")
     ] = "closed-loop",
-    released: Annotated[
-        bool,
-        typer.Option(
-            "--released",
-            help="The robot's own controller was ended by hand; no motion switcher has to answer.",
-        ),
-    ] = False,
+    released: _Released = False,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print states and first commands; send nothing.")
     ] = False,
-    log: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE", help="Log of the play, MCAP [default: PLAN-<date>-<time>.mcap, here]."
-        ),
-    ] = None,
+    log: _Log = None,
     excite: Annotated[
         bool,
         typer.Option("--excite", help="No plan: move every joint, for `llsrbm identify`."),
@@ -105,14 +105,7 @@ def deploy_command(
             result, text = _dry_run(ready)
             print(json.dumps(result, allow_nan=False) if as_json else text, file=stdout)
             return console.DONE
-        require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
-        require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
-        path = _log_file(log, ready.name)
-        ready.check()
-        wire = _Wire(interface, domain, released)
-        ended, player, tier_name = _play(ready, wire, quiet=as_json)
-        result = _result(ended, player, tier_name, path)
-        _write_log(player, path, result)
+        ended, result = _logged(ready, _Wire(interface, domain, released), log, quiet=as_json)
         console.print_result(result, _in_words(result, ended), stdout, as_json=as_json)
         if ended.reason:
             console.print_error(ended.line)
@@ -165,6 +158,20 @@ def _log_file(log: Path | None, name: str) -> Path:
     if log.suffix != ".mcap" or not log.parent.is_dir():
         raise InputError(f"--log {log}: expected a name that ends in .mcap, in a folder that is")
     return log
+
+
+def _logged(
+    ready: _Ready, wire: _Wire, log: Path | None, *, quiet: bool
+) -> tuple[Ended, dict[str, Any]]:
+    """Check, play and write the log: how it ended, and what came of it."""
+    require("a robot's wire needs Cyclone DDS", "wire", "cyclonedds")
+    require("the log of a play needs Foxglove's SDK", "mcap", "foxglove")
+    path = _log_file(log, ready.name)
+    ready.check()
+    ended, player, tier = _play(ready, wire, quiet=quiet)
+    result = _result(ended, player, tier, path)
+    _write_log(player, path, result)
+    return ended, result
 
 
 def _play(ready: _Ready, wire: _Wire, *, quiet: bool) -> tuple[Ended, Player, str]:

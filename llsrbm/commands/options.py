@@ -32,6 +32,11 @@ AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout, the rest on stderr.")
 ]
 
+Interface = Annotated[
+    str, typer.Option(metavar="IF", help="Network interface; lo: this machine alone.")
+]
+Domain = Annotated[int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")]
+
 Weights = Annotated[
     list[str] | None,
     typer.Option("--weight", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),

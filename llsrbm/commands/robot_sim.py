@@ -25,47 +25,45 @@ if TYPE_CHECKING:
 _OWN_CONTROLLER = "normal"  # of a Go2
 
 
+_DelayMs = Annotated[
+    float, typer.Option(metavar="MS", help="Delay from a command until motors follow it.")
+]
+_DelaySpreadMs = Annotated[
+    float, typer.Option(metavar="MS", help="Delay jitter, drawn for each command.")
+]
+_Lost = Annotated[
+    float,
+    typer.Option(metavar="SHARE", help="Share of messages that are lost, in both directions."),
+]
+_Late = Annotated[float, typer.Option(metavar="SHARE", help="Share of messages that come late.")]
+_LateMs = Annotated[float, typer.Option(metavar="MS", help="Extra delay of late messages.")]
+_Held = Annotated[
+    bool,
+    typer.Option(
+        "--held/--free",
+        help="A controller of its own writes commands until its motion switcher releases it.",
+    ),
+]
+_Hung = Annotated[bool, typer.Option("--hung", help="The robot hangs, its feet over the ground.")]
+_Battery = Annotated[bool, typer.Option("--battery/--no-battery", help="Voltage falls with power.")]
+
+
 def robot_sim_command(
     robot: options.Robot,
-    interface: Annotated[
-        str, typer.Option(metavar="IF", help="Network interface; lo: this machine alone.")
-    ] = "lo",
-    domain: Annotated[
-        int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")
-    ] = None,
+    interface: options.Interface = "lo",
+    domain: options.Domain = None,
     plan: Annotated[
         Path | None,
         typer.Option(metavar="PLAN.npz", help="Stand among the boxes of this plan's jump."),
     ] = None,
-    delay_ms: Annotated[
-        float, typer.Option(metavar="MS", help="Delay from a command until motors follow it.")
-    ] = 2.0,
-    delay_spread_ms: Annotated[
-        float, typer.Option(metavar="MS", help="Delay jitter, drawn for each command.")
-    ] = 1.0,
-    lost: Annotated[
-        float,
-        typer.Option(metavar="SHARE", help="Share of messages that are lost, in both directions."),
-    ] = 0.0,
-    late: Annotated[
-        float, typer.Option(metavar="SHARE", help="Share of messages that come late.")
-    ] = 0.0,
-    late_ms: Annotated[
-        float, typer.Option(metavar="MS", help="Extra delay of late messages.")
-    ] = 20.0,
-    held: Annotated[
-        bool,
-        typer.Option(
-            "--held/--free",
-            help="A controller of its own writes commands until its motion switcher releases it.",
-        ),
-    ] = True,
-    hung: Annotated[
-        bool, typer.Option("--hung", help="The robot hangs, its feet over the ground.")
-    ] = False,
-    battery: Annotated[
-        bool, typer.Option("--battery/--no-battery", help="Voltage falls with power.")
-    ] = True,
+    delay_ms: _DelayMs = 2.0,
+    delay_spread_ms: _DelaySpreadMs = 1.0,
+    lost: _Lost = 0.0,
+    late: _Late = 0.0,
+    late_ms: _LateMs = 20.0,
+    held: _Held = True,
+    hung: _Hung = False,
+    battery: _Battery = True,
     seed: Annotated[int, typer.Option(help="Draws delays, losses and the sensors' errors.")] = 0,
     duration: Annotated[
         float | None, typer.Option(metavar="S", help="Simulated time [default: until Ctrl-C].")

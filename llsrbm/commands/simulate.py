@@ -14,6 +14,9 @@ from llsrbm.errors import InputError
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
+    from llsrbm.request.jump import Jump
+    from llsrbm.request.scenario import Scenario
+    from llsrbm.request.tuning import Tuning
 
 
 @options.with_scenario_options
@@ -43,8 +46,6 @@ def simulate_command(
         from llsrbm.analysis.diagnosis import fall_in_words
         from llsrbm.analysis.summaries import rollout_summary
         from llsrbm.certificate import certified
-        from llsrbm.robots import load_robot
-        from llsrbm.simulation.checks import check_scenario
 
         given = [name for name in options.PLANNING if options.is_given(context, name)]
         if file is not None and given:
@@ -58,15 +59,7 @@ def simulate_command(
         if file is not None:
             plan = _read_plan(file)
         else:
-            # What is wrong shall not come out after seconds of planning.
-            check_scenario(scenario, load_robot(request.jump.robot))
-            plan = llsrbm.plan(
-                request.jump,
-                solver=solver,
-                weights=tuning.weights,
-                limits=tuning.limits,
-                progress=console.show_planning,
-            )
+            plan = _planned(request.jump, solver, tuning, scenario)
         if scenario.replan:
             console.show_planning(
                 "loading the solvers that plan anew: some minutes the first time, "
@@ -81,6 +74,23 @@ def simulate_command(
             return console.DONE
         console.print_error(f"the robot fell {fall_in_words(rollout)}")
     return console.FAILED
+
+
+def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario) -> Plan:
+    """Plan a jump that will be followed in a scenario."""
+    import llsrbm
+    from llsrbm.robots import load_robot
+    from llsrbm.simulation.checks import check_scenario
+
+    # What is wrong shall not come out after seconds of planning.
+    check_scenario(scenario, load_robot(jump.robot))
+    return llsrbm.plan(
+        jump,
+        solver=solver,
+        weights=tuning.weights,
+        limits=tuning.limits,
+        progress=console.show_planning,
+    )
 
 
 def _read_plan(file: Path) -> Plan:

@@ -13,6 +13,7 @@ from llsrbm.errors import InputError, require
 
 if TYPE_CHECKING:
     from llsrbm.sweep.folder import Folder
+    from llsrbm.sweep.points import Points
     from llsrbm.sweep.run import Progress
 
 
@@ -56,24 +57,14 @@ def sweep_command(
         from llsrbm.sweep.folder import Folder
         from llsrbm.sweep.points import Points
         from llsrbm.sweep.rows import origin
-        from llsrbm.sweep.run import LARGE, estimate
         from llsrbm.sweep.spec import find_spec
 
         points = Points(find_spec(spec))
         workers = workers or usable_processors()
-        expected = estimate(points)
-        _note(f"{points.spec.title}: {expected.line(None if scheduler else workers)}")
-        if expected.rows > LARGE and not yes:
-            raise InputError(
-                f"{spec}: {expected.rows} rows are more than {LARGE}; expected --yes beside so "
-                "large a sweep"
-            )
+        _announce(spec, points, None if scheduler else workers, large=yes)
         versions = origin(points.spec)
         with Folder(out, points, versions) as folder:
-            for name in folder.damaged:
-                _note(f"{name} is damaged; its jumps are computed again")
-            if folder.done.any():
-                _note(f"going on: {int(folder.done.sum())} of {points.count} jumps are done")
+            _note_begun(folder)
             whole = folder.done.all()
             progress = None if whole else _run(folder, workers, scheduler, versions, timeout)
             result = _summary(folder, progress)
@@ -90,6 +81,27 @@ def _check(workers: int | None, scheduler: str | None, timeout: float | None) ->
         raise InputError(
             "--workers and --scheduler: expected one of them; a cluster that runs has its workers"
         )
+
+
+def _announce(spec: str, points: Points, workers: int | None, *, large: bool) -> None:
+    """Say what the sweep will take. Raises `InputError`: it is large, which was not confirmed."""
+    from llsrbm.sweep.run import LARGE, estimate
+
+    expected = estimate(points)
+    _note(f"{points.spec.title}: {expected.line(workers)}")
+    if expected.rows > LARGE and not large:
+        raise InputError(
+            f"{spec}: {expected.rows} rows are more than {LARGE}; expected --yes beside so "
+            "large a sweep"
+        )
+
+
+def _note_begun(folder: Folder) -> None:
+    """Say what an earlier run has left."""
+    for name in folder.damaged:
+        _note(f"{name} is damaged; its jumps are computed again")
+    if folder.done.any():
+        _note(f"going on: {int(folder.done.sum())} of {folder.points.count} jumps are done")
 
 
 def _run(

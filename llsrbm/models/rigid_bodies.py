@@ -70,6 +70,17 @@ class Moving(NamedTuple):
     omega: Any  # (3,) rad/s, in the world, the link's axes
 
 
+class Accelerated(NamedTuple):
+    """A link under acceleration, of which the base has no first three; its own axes."""
+
+    turn: Any  # (3, 3) to the parent's axes
+    arm: Any  # (3,) m, from the parent's joint to its own, parent's axes
+    in_base: Any  # (3, 3) to base axes
+    omega: Any  # (3,) rad/s
+    omega_rate: Any  # (3,) rad/s2
+    acceleration: Any  # (3,) m/s2 of its joint, and upward gravity
+
+
 class Effort(NamedTuple):
     """Torques, and the force and moment that the base lacks; zero where the motion is possible."""
 
@@ -178,44 +189,27 @@ class RigidBodies:
             joints: whole limbs that are looked at, Pinocchio's indices; None: all.
         """
         chosen = self._links if joints is None else {i: self._links[i] for i in joints}
-        w, dw, a = {BASE_JOINT: omega}, {BASE_JOINT: omega_rate}, {BASE_JOINT: base_acceleration}
-        turns: dict[int, Any] = {}
-        arms: dict[int, Any] = {}
-        in_base: dict[int, Any] = {}
-        for i, link in chosen.items():
-            turn, arm, parent = _rotation(link, position), _arm(link, position), link.parent
-            turns[i], arms[i] = turn, arm
-            in_base[i] = turn if parent == BASE_JOINT else ca.mtimes(in_base[parent], turn)
-            axis = _constant(link.axis)
-            speed = axis * velocity[link.joint]
-            more = axis * acceleration[link.joint]
-            inward = cross(w[parent], cross(w[parent], arm))
-            carried = ca.mtimes(turn.T, a[parent] + cross(dw[parent], arm) + inward)
-            turning, turning_rate = ca.mtimes(turn.T, w[parent]), ca.mtimes(turn.T, dw[parent])
-            if link.slides:
-                w[i], dw[i] = mark(turning), mark(turning_rate)
-                a[i] = mark(carried + more + 2 * cross(w[i], speed))
-            else:
-                w[i] = mark(turning + speed)
-                dw[i] = mark(turning_rate + more + cross(w[i], speed))
-                a[i] = mark(carried)
+        base = Accelerated(None, None, None, omega, omega_rate, base_acceleration)
+        moved = _accelerated(chosen, base, position, velocity, acceleration, mark)
         force, moment = {}, {}
         for i, own in ((BASE_JOINT, self._base), *((i, x.own) for i, x in chosen.items())):
-            force[i], moment[i] = _inertial(own, w[i], dw[i], a[i])
+            force[i], moment[i] = _inertial(own, moved[i])
         for leg, pushes in forces.items():
             carrier = self._carries[leg]
-            below = ca.mtimes(in_base[carrier].T, up) * self.robot.foot_lift
+            to_link = moved[carrier].in_base.T
+            below = ca.mtimes(to_link, up) * self.robot.foot_lift
             for corner, push in zip(self._corners[leg], pushes, strict=True):
-                here = ca.mtimes(in_base[carrier].T, push)
+                here = ca.mtimes(to_link, push)
                 force[carrier] -= here
                 moment[carrier] -= cross(ca.DM(corner) - below, here)
         torque = [ca.SX(0)] * len(self._links)
         for i, link in reversed(chosen.items()):
             force[i], moment[i] = mark(force[i]), mark(moment[i])
             torque[link.joint] = ca.dot(ca.DM(link.axis), force[i] if link.slides else moment[i])
-            handed = ca.mtimes(turns[i], force[i])
+            turn, arm, *_ = moved[i]
+            handed = ca.mtimes(turn, force[i])
             force[link.parent] += handed
-            moment[link.parent] += ca.mtimes(turns[i], moment[i]) + cross(arms[i], handed)
+            moment[link.parent] += ca.mtimes(turn, moment[i]) + cross(arm, handed)
             own = self.losses.torque(link.joint, velocity[link.joint], acceleration[link.joint])
             torque[link.joint] += own
         return Effort(ca.vertcat(*torque), force[BASE_JOINT], moment[BASE_JOINT])
@@ -282,8 +276,40 @@ def _arm(link: Link, position: Any) -> Any:
     return ca.DM(link.origin) + ca.DM(link.rotation @ link.axis) * position[link.joint]
 
 
-def _inertial(own: Mass, w: Any, dw: Any, a: Any) -> tuple[Any, Any]:
+def _accelerated(
+    links: Mapping[int, Link],
+    base: Accelerated,
+    position: Any,
+    velocity: Any,
+    acceleration: Any,
+    mark: Mark,
+) -> dict[int, Accelerated]:
+    """Base and links by Pinocchio's index, base outwards, from the joints' (J,) motion."""
+    moved = {BASE_JOINT: base}
+    for i, link in links.items():
+        turn, arm, parent = _rotation(link, position), _arm(link, position), moved[link.parent]
+        in_base = turn if link.parent == BASE_JOINT else ca.mtimes(parent.in_base, turn)
+        axis = _constant(link.axis)
+        speed = axis * velocity[link.joint]
+        more = axis * acceleration[link.joint]
+        inward = cross(parent.omega, cross(parent.omega, arm))
+        carried = parent.acceleration + cross(parent.omega_rate, arm) + inward
+        carried = ca.mtimes(turn.T, carried)
+        turning, rate = (ca.mtimes(turn.T, v) for v in (parent.omega, parent.omega_rate))
+        if link.slides:
+            w, dw = mark(turning), mark(rate)
+            a = mark(carried + more + 2 * cross(w, speed))
+        else:
+            w = mark(turning + speed)
+            dw = mark(rate + more + cross(w, speed))
+            a = mark(carried)
+        moved[i] = Accelerated(turn, arm, in_base, w, dw, a)
+    return moved
+
+
+def _inertial(own: Mass, moved: Accelerated) -> tuple[Any, Any]:
     """The force and the moment about the joint that a link's motion needs."""
+    *_, w, dw, a = moved
     com, inertia = ca.DM(own.com), ca.DM(own.inertia)
     force = own.mass * (a + cross(dw, com) + cross(w, cross(w, com)))
     spin = ca.mtimes(inertia, dw) + cross(w, ca.mtimes(inertia, w))

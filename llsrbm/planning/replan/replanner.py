@@ -71,6 +71,16 @@ AT_ONCE = 0.025  # s
 # A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
 # pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
 LOST = 8.0
+# Quantities of the plan that a guess is made of.
+SAMPLED = (
+    "com",
+    "com_velocity",
+    "angular_momentum",
+    "base_quat",
+    "angular_velocity",
+    "foot_in_hip",
+    "joint_position",
+)
 FRESH = 0.12  # s; the last solution is a start for so long
 
 
@@ -287,16 +297,7 @@ class Replanner:
         times = starts[layout.phase] + layout.progress * np.diff(starts)[layout.phase]
         since = layout.progress * durations[0]
         com, velocity, momentum, quat, omega, feet, joints = (
-            interpolated(plan.time, values, times)
-            for values in (
-                plan.com,
-                plan.com_velocity,
-                plan.angular_momentum,
-                plan.base_quat,
-                plan.angular_velocity,
-                plan.foot_in_hip,
-                plan.joint_position,
-            )
+            interpolated(plan.time, getattr(plan, name), times) for name in SAMPLED
         )
         shift = np.zeros(3)
         fading = 1 - (times - state.time)[:, None] / (starts[-1] - state.time)

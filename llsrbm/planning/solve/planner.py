@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 
 from llsrbm.errors import InputError
-from llsrbm.models import check_name, free_arms_of, make_model
+from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import NEAREST
@@ -31,20 +31,17 @@ from llsrbm.planning.solve.formulation import (
 )
 from llsrbm.planning.solve.guess_table import Guesses
 from llsrbm.planning.solve.hurried import first_feasible, with_bounds_nearby
+from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
 from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.reasons import refusal, unexplained
 from llsrbm.planning.solve.solver_cache import cached_solver, is_built, of_jumps
 from llsrbm.request.jump import COMPONENTS, Jump
-from llsrbm.request.jump_types import load_type, schedule_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
-
-INTERVALS = 48
-MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
 
 FOLLOWED = "from the last plan"
 NEARBY = "from solutions nearby"
@@ -343,28 +340,6 @@ class Planner:
         if self.last is None:
             raise InputError("this planner has no solution yet")
         return self.last.knots
-
-
-def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
-    """The variables of a jump's plan; `intervals` as for three phases.
-
-    Raises:
-        InputError: a number of intervals that cannot be, or a jump type that is none.
-    """
-    if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
-        raise InputError(
-            f"intervals: {intervals} given; expected {MIN_INTERVALS} to {MAX_INTERVALS}"
-        )
-    contacts = len(robot.legs) * len(robot.corners)
-    return Layout.of(
-        schedule_of(jump, robot),
-        contacts,
-        intervals,
-        robot.foot_coordinates,
-        clears=load_type(jump.type).clears,
-        turns=jump.turns,
-        arm_joints=len(robot.arm_joint_index) if free_arms_of(jump, robot) else 0,
-    )
 
 
 def planner_of(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -78,20 +78,16 @@ class Refiner:
         watch.begin("refining: the whole body's dynamics")
         start = start_of(plan, self.robot, self.grid)
         guess = variables(start, self.grid, self.sizes, self._unit)
-        iterations, seconds = 0, 0.0
+        solutions: list[Solution] = []
         for _ in range(ROUNDS):
             problem = make_problem(self.robot, self.grid, start)
-            for options in SOLVES:
-                solve = partial(self.solver.solve, problem, guess, options, watch.read)
-                solution = watch.over(solve)
-                iterations += solution.iterations
-                seconds += solution.solve_time_s
+            for solution in self._solutions(problem, guess, watch):
+                solutions.append(solution)
                 found = self._violations(solution, problem, plan, start)
                 # Where its rows hold a motion can be done, whether or not it is the nearest one.
                 solved = all(violation.amount <= TOLERANCE for violation in found.values())
-                if solved or not np.isfinite(solution.variables).all():
+                if solved:
                     break
-                guess = solution.variables
             if not solved:
                 break
             motion = Motion.of(solution.variables, start.time[::2], self.grid, self.sizes)
@@ -112,14 +108,23 @@ class Refiner:
             _log.info("the second stage did not converge: %s", solution.message)
         report = Refinement(
             status=SOLVED if solved else FAILED,
-            iterations=iterations,
-            solve_time_s=seconds,
+            iterations=sum(each.iterations for each in solutions),
+            solve_time_s=sum(each.solve_time_s for each in solutions),
             total_time_s=time.perf_counter() - begun,
             build_time_s=0.0,
             cost=solution.cost,
             compiling=is_compiling(self.solver),
         )
         return replace(result, refinement=report)
+
+    def _solutions(self, problem: Problem, guess: Array, watch: Watch) -> Iterator[Solution]:
+        """Solutions of one problem, each with more patience from the one before."""
+        for options in SOLVES:
+            solution = watch.over(partial(self.solver.solve, problem, guess, options, watch.read))
+            yield solution
+            guess = solution.variables
+            if not np.isfinite(guess).all():
+                break
 
     def _violations(
         self, solution: Solution, problem: Problem, plan: Plan, start: Start

@@ -69,25 +69,8 @@ def propose(anatomy: Anatomy) -> Proposal:
         f"posture.{name}": _radians(angles[k]) for k, name in enumerate(anatomy.names)
     }
     values |= _arms(anatomy, _joined(anatomy, angles, arms))
-    values |= {
-        "reach.distance": _metres(near, far),
-        "reach.lower": _metres(
-            ahead - _FORWARD * length, side - _SIDEWAYS * length, -_LOWEST * length
-        ),
-        "reach.upper": _metres(
-            ahead + _FORWARD * length, side + _SIDEWAYS * length, -_HIGHEST * length
-        ),
-        "limits.friction": 0.5,
-        "limits.foot_speed": 5.0,
-        "limits.clearance": round(_CLEARANCE * length, 2),
-        "limits.feet_apart": _apart(anatomy, length),
-        "timing.takeoff": [0.3 if anatomy.has_soles else 0.4, 0.8],
-        "timing.flight": [0.3, 0.6],
-        "timing.landing": [0.3 if anatomy.has_soles else 0.5, 0.8],
-        "task.twist": [-3.1416, 3.1416],
-        **{f"task.{name}": _metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
-        "example.twist": 0.7854,
-    }
+    values["reach.distance"] = _metres(near, far)
+    values |= _by_length(anatomy, length, ahead, side)
     guessed = {
         "posture": f"hips {standing:.2f} m above the feet, from {basis}",
         "reach": f"shares of {basis}",
@@ -110,6 +93,28 @@ def propose(anatomy: Anatomy) -> Proposal:
     _gains(anatomy, length, values, guessed)
     left_out = _turning(anatomy, length, side, values, guessed)
     return Proposal(values, guessed, sources, {"turning": left_out} if left_out else {})
+
+
+def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> dict[str, Any]:
+    """What goes with the legs' length, m, about feet that stand so far ahead of and beside hips."""
+    return {
+        "reach.lower": _metres(
+            ahead - _FORWARD * length, side - _SIDEWAYS * length, -_LOWEST * length
+        ),
+        "reach.upper": _metres(
+            ahead + _FORWARD * length, side + _SIDEWAYS * length, -_HIGHEST * length
+        ),
+        "limits.friction": 0.5,
+        "limits.foot_speed": 5.0,
+        "limits.clearance": round(_CLEARANCE * length, 2),
+        "limits.feet_apart": _apart(anatomy, length),
+        "timing.takeoff": [0.3 if anatomy.has_soles else 0.4, 0.8],
+        "timing.flight": [0.3, 0.6],
+        "timing.landing": [0.3 if anatomy.has_soles else 0.5, 0.8],
+        "task.twist": [-3.1416, 3.1416],
+        **{f"task.{name}": _metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
+        "example.twist": 0.7854,
+    }
 
 
 def _distances(anatomy: Anatomy) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.motion.realised import realised
 from llsrbm.planning.replan.replanner import Replanner
 from llsrbm.planning.replan.under_way import interpolated, planned_state
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("g1")

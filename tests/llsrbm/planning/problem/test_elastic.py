@@ -14,7 +14,7 @@ from llsrbm.planning.problem.elastic import GIVEN_UP, ElasticLayout, ElasticStag
 from llsrbm.planning.problem.foot_clearance import FAR, clearance_line, edge_ranges
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
 

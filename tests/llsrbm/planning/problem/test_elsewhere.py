@@ -25,7 +25,7 @@ from llsrbm.planning.problem.parameters import (
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import InMotion
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.elsewhere import Elsewhere

@@ -9,7 +9,7 @@ import pytest
 from llsrbm import models
 from llsrbm.planning.problem.horizon import constraints_of, row_bounds
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved

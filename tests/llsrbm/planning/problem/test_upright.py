@@ -26,7 +26,7 @@ from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.solve.guess import analytic_guess
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 

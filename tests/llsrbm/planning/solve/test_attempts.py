@@ -22,7 +22,8 @@ from llsrbm.planning.problem.violations import TOLERANCE, excess
 from llsrbm.planning.solve import kept, nearest, solver_cache
 from llsrbm.planning.solve.attempts import from_nearby
 from llsrbm.planning.solve.formulation import Attempt, Formulation
-from llsrbm.planning.solve.planner import INTERVALS, Planner, planner_for
+from llsrbm.planning.solve.jump_layout import INTERVALS
+from llsrbm.planning.solve.planner import Planner, planner_for
 from llsrbm.planning.solve.progress import PlanningProgress, Watch
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump

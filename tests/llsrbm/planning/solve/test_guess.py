@@ -11,7 +11,8 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.formulation import solve_options
 from llsrbm.planning.solve.guess import FLIP_FLIGHT, analytic_guess
-from llsrbm.planning.solve.planner import layout_of, planner_of
+from llsrbm.planning.solve.jump_layout import layout_of
+from llsrbm.planning.solve.planner import planner_of
 from llsrbm.planning.solve.progress import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

@@ -15,7 +15,7 @@ from llsrbm.ocp import solvers
 from llsrbm.ocp.compiled import is_whole
 from llsrbm.planning.problem.horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
-from llsrbm.planning.solve.planner import layout_of
+from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
