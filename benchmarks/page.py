@@ -199,6 +199,39 @@ def verdicts(page):
     print(f"typed to a verdict               {max(taken):6.0f} ms at worst of {len(taken)}")
 
 
+def first_pictures(browser, url):
+    """Print how long a newly opened page takes to its first picture."""
+    firsts = []
+    for _ in range(4):
+        context = browser.new_context(viewport=VIEW)
+        page = context.new_page()
+        page.goto(url)
+        firsts.append(page.evaluate(FIRST_PICTURE))
+        page.wait_for_timeout(1000)
+        context.close()
+    listed = ", ".join(f"{first:.2f}" for first in firsts)
+    print(f"first picture of a playing robot  {listed} s after opening")
+
+
+def frame_rate(page, seconds):
+    """Frames a second over so long, and how long (s) that was by the page's clock."""
+    start = page.evaluate(RENDERED)
+    page.wait_for_timeout(1000 * seconds)
+    end = page.evaluate(RENDERED)
+    took = (end[0] - start[0]) / 1000
+    return (end[1] - start[1]) / took, took
+
+
+def playing(page, pid, seconds):
+    """Print frame rate and resolution of a page that plays, and what the server does meanwhile."""
+    busy = processor_time(pid)
+    rate, took = frame_rate(page, seconds)
+    busy = processor_time(pid) - busy
+    print(f"playing {took:3.0f} s                    {rate:6.1f} frames/s")
+    print(f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}")
+    print(f"  server's share of a core       {busy / took:6.1%}")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drag", type=float, default=10.0)
@@ -212,34 +245,12 @@ def main():
         wait_until_ready(server)
         print(f"start to everything ready        {time.monotonic() - began:6.2f} s")
         with chromium() as browser:
-            firsts = []
-            for _ in range(4):
-                context = browser.new_context(viewport=VIEW)
-                page = context.new_page()
-                page.goto(url)
-                firsts.append(page.evaluate(FIRST_PICTURE))
-                page.wait_for_timeout(1000)
-                context.close()
-            listed = ", ".join(f"{first:.2f}" for first in firsts)
-            print(f"first picture of a playing robot  {listed} s after opening")
+            first_pictures(browser, url)
             page = browser.new_context(viewport=VIEW).new_page()
             page.goto(url)
             page.evaluate(FIRST_PICTURE)
             page.wait_for_timeout(3000)
-
-            busy = processor_time(server.pid)
-            start = page.evaluate(RENDERED)
-            page.wait_for_timeout(1000 * options.play)
-            end = page.evaluate(RENDERED)
-            busy = processor_time(server.pid) - busy
-            seconds = (end[0] - start[0]) / 1000
-            rate = (end[1] - start[1]) / seconds
-            print(f"playing {seconds:3.0f} s                    {rate:6.1f} frames/s")
-            print(
-                f"  at a resolution of             {page.evaluate('llsrbm.player.resolution'):6.2f}"
-            )
-            print(f"  server's share of a core       {busy / seconds:6.1%}")
-
+            playing(page, server.pid, options.play)
             for mode in ("playing", "paused"):
                 if mode == "paused":
                     page.get_by_role("button", name="Pause").click()
@@ -255,10 +266,7 @@ def main():
             status(page, "Landed", timeout=60_000)
             page.get_by_role("button", name="Play").click()
             page.wait_for_timeout(3000)
-            start = page.evaluate(RENDERED)
-            page.wait_for_timeout(8000)
-            end = page.evaluate(RENDERED)
-            rate = 1000 * (end[1] - start[1]) / (end[0] - start[0])
+            rate, _ = frame_rate(page, 8.0)
             print(f"playing with a simulation        {rate:6.1f} frames/s")
             verdicts(page)
         print(f"memory, server and processes     {sum(resident(server.pid)):6.0f} MB")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,16 @@ ARRIVED = 0.95  # share of the twist
 SEEDS = range(6000, 6020)
 
 
+class Figures(NamedTuple):
+    """Figures of a simulated twist, or their medians."""
+
+    kept: float  # share of the yaw rate
+    arrived: float  # s, when the yaw is reached
+    gained: float  # rad, the yaw's error in flight
+    near: float  # m, the feet from the axis
+    inertia: float  # kg m2, the smallest Izz
+
+
 def result(folder: Path) -> Result:
     plans = {m: llsrbm.plan(llsrbm.Jump(robot="anymal", model=m, twist=TWIST)) for m in MODELS}
     rollouts = {m: llsrbm.simulate(plan) for m, plan in plans.items()}
@@ -35,45 +46,22 @@ def result(folder: Path) -> Result:
     _curves(rollouts, folder / figures[0][0])
     shown = [(TITLE[m], rollouts[m]) for m in ("llsrbm-plus", "srbm")]
     snapshots(shown, (0.1, 0.19, 0.25, 0.32, 0.5), folder / figures[1][0])
-    rows, kept, arrived, gained, near = [], {}, {}, {}, {}
+    rows, medians = [], {}
     for model in MODELS:
         runs = [llsrbm.simulate(plans[model], llsrbm.Scenario(seed=seed)) for seed in SEEDS]
-        kept[model], arrived[model], gained[model], near[model], inertia = (
-            float(np.median(column)) for column in zip(*map(_figures, runs), strict=True)
-        )
+        columns = zip(*map(_figures, runs), strict=True)
+        medians[model] = median = Figures(*(float(np.median(column)) for column in columns))
         strict = sum(run.outcome.strict for run in runs)
         rows.append(
             [
                 TITLE[model],
-                f"{100 * kept[model]:.0f} %",
-                f"{arrived[model]:.3f} s",
-                f"{near[model]:.3f} m",
-                f"{inertia:.2f}",
+                f"{100 * median.kept:.0f} %",
+                f"{median.arrived:.3f} s",
+                f"{median.near:.3f} m",
+                f"{median.inertia:.2f}",
                 f"{strict} of {len(runs)}",
             ]
         )
-    better = kept["llsrbm"] > kept["srbm"] and kept["llsrbm-plus"] > kept["srbm"]
-    earlier = arrived["llsrbm"] < arrived["srbm"]
-    most = arrived["llsrbm-plus"] < arrived["srbm"]
-    short = all(abs(gained[m]) > 2 * abs(gained["llsrbm-plus"]) for m in ("llsrbm", "srbm"))
-    verdict = AGREES if better and earlier and most else PARTLY if better and short else NOT
-    held = {m: math.degrees(_attitude_held(plan)) for m, plan in plans.items()}
-    apart = 1e3 * (max(arrived.values()) - min(arrived.values()))
-    reason = (
-        f"With {_listed([TITLE[m] for m in MODELS])} the feet come within "
-        f"{_listed([f'{near[m]:.3f}' for m in MODELS])} m of the axis, and the base keeps "
-        f"{_listed([f'{100 * kept[m]:.0f}' for m in MODELS])} % of its yaw rate at lift-off. The "
-        f"goal is reached at {_listed([f'{arrived[m]:.3f}' for m in MODELS])} s, at most "
-        f"{apart:.0f} ms apart. In flight the base turns by "
-        f"{_listed([f'{math.degrees(gained[m]):+.1f}' for m in MODELS])}° more than planned: the "
-        "paper's SRBM turns less than planned, and so do SRBM and LL-SRBM here, of which neither "
-        "has the legs' own momentum. At touchdown little of it is seen. The controller holds the "
-        "angular momentum in take-off, not the base's attitude; standing feet keep the legs back, "
-        "so that for the planned momentum the base has to turn faster than a plan without them "
-        "has it. It leaves the ground ahead of its plan, by what it then loses in flight. A "
-        "controller that holds the attitude in take-off instead is off by "
-        f"{_listed([f'{held[m]:+.1f}' for m in MODELS])}° at the planned touchdown, undisturbed."
-    )
     heading = ("model", "yaw rate kept in flight", "95 % of the yaw",
                "feet from the axis", "least Izz [kg m²]", "strict")  # fmt: skip
     return Result(
@@ -88,8 +76,38 @@ def result(folder: Path) -> Result:
             ),
         ],
         figures,
-        verdict,
-        reason,
+        _verdict(medians),
+        _reason(plans, medians),
+    )
+
+
+def _verdict(medians: dict[str, Figures]) -> str:
+    plus, ll, srbm = (medians[model] for model in MODELS)
+    better = ll.kept > srbm.kept and plus.kept > srbm.kept
+    earlier = ll.arrived < srbm.arrived
+    most = plus.arrived < srbm.arrived
+    short = all(abs(other.gained) > 2 * abs(plus.gained) for other in (ll, srbm))
+    return AGREES if better and earlier and most else PARTLY if better and short else NOT
+
+
+def _reason(plans: dict[str, llsrbm.Plan], medians: dict[str, Figures]) -> str:
+    held = [math.degrees(_attitude_held(plan)) for plan in plans.values()]
+    of = [medians[model] for model in MODELS]
+    arrived = [median.arrived for median in of]
+    return (
+        f"With {_listed([TITLE[m] for m in MODELS])} the feet come within "
+        f"{_listed([f'{median.near:.3f}' for median in of])} m of the axis, and the base keeps "
+        f"{_listed([f'{100 * median.kept:.0f}' for median in of])} % of its yaw rate at lift-off. "
+        f"The goal is reached at {_listed([f'{time:.3f}' for time in arrived])} s, at most "
+        f"{1e3 * (max(arrived) - min(arrived)):.0f} ms apart. In flight the base turns by "
+        f"{_listed([f'{math.degrees(median.gained):+.1f}' for median in of])}° more than planned: "
+        "the paper's SRBM turns less than planned, and so do SRBM and LL-SRBM here, of which neither "
+        "has the legs' own momentum. At touchdown little of it is seen. The controller holds the "
+        "angular momentum in take-off, not the base's attitude; standing feet keep the legs back, "
+        "so that for the planned momentum the base has to turn faster than a plan without them "
+        "has it. It leaves the ground ahead of its plan, by what it then loses in flight. A "
+        "controller that holds the attitude in take-off instead is off by "
+        f"{_listed([f'{error:+.1f}' for error in held])}° at the planned touchdown, undisturbed."
     )
 
 
@@ -111,11 +129,7 @@ def _listed(words: list[str]) -> str:
     return f"{', '.join(words[:-1])} and {words[-1]}"
 
 
-def _figures(rollout: llsrbm.Rollout) -> tuple[float, float, float, float, float]:
-    """Share of the yaw rate kept, when the yaw is reached (s), its error gained in flight (rad).
-
-    After that the feet's distance from the axis, m, and the smallest Izz, kg m2.
-    """
+def _figures(rollout: llsrbm.Rollout) -> Figures:
     heading = np.abs(yaw(rollout.base_quat))
     rate = np.gradient(heading, rollout.time)
     in_air = ~rollout.contact.any(axis=1)
@@ -125,7 +139,7 @@ def _figures(rollout: llsrbm.Rollout) -> tuple[float, float, float, float, float
     reached = np.flatnonzero(heading >= ARRIVED * TWIST)
     radius = np.linalg.norm((rollout.foot_position - rollout.com[:, None])[..., :2], axis=-1)
     error = rollout.outcome.yaw_error_in_flight
-    return (
+    return Figures(
         float(rate[inside].min() / rate[first]),
         float(rollout.time[reached[0]]) if len(reached) else math.nan,
         math.nan if error is None else error,
