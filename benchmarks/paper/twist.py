@@ -102,11 +102,11 @@ def _reason(plans: dict[str, llsrbm.Plan], medians: dict[str, Figures]) -> str:
         f"{1e3 * (max(arrived) - min(arrived)):.0f} ms apart. In flight the base turns by "
         f"{_listed([f'{math.degrees(median.gained):+.1f}' for median in of])}° more than planned: "
         "the paper's SRBM turns less than planned, and so do SRBM and LL-SRBM here, of which "
-        "neither has the legs' own momentum. At touchdown little of it is seen. The controller holds the "
-        "angular momentum in take-off, not the base's attitude; standing feet keep the legs back, "
-        "so that for the planned momentum the base has to turn faster than a plan without them "
-        "has it. It leaves the ground ahead of its plan, by what it then loses in flight. A "
-        "controller that holds the attitude in take-off instead is off by "
+        "neither has the legs' own momentum. At touchdown little of it is seen. The controller "
+        "holds the angular momentum in take-off, not the base's attitude; standing feet keep the "
+        "legs back, so that for the planned momentum the base has to turn faster than a plan "
+        "without them has it. It leaves the ground ahead of its plan, by what it then loses in "
+        "flight. A controller that holds the attitude in take-off instead is off by "
         f"{_listed([f'{error:+.1f}' for error in held])}° at the planned touchdown, undisturbed."
     )
 
