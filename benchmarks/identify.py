@@ -20,7 +20,7 @@ from llsrbm.identification.excitation import Excitation
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives_schema import JointDrives
+from llsrbm.robots.drives.table import JointDrives
 from llsrbm.simulation.readings import ENCODER_STEP, JOINT_ZERO, SPEED_NOISE
 from llsrbm.simulation.scene import build_scene, hung_posture
 from llsrbm.simulation.world import FLAT, STEP

@@ -35,7 +35,7 @@ from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import with_drives
+from llsrbm.robots.drives.variants import with_drives
 from llsrbm.simulation.simulate import simulate
 
 app = typer.Typer(help=__doc__, add_completion=False)

@@ -22,7 +22,7 @@ from benchmarks.range import COMPONENTS, requests, torque_rms
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.solve.planner import planner_of
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import ideal
+from llsrbm.robots.drives.variants import ideal
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.world import World

@@ -31,7 +31,7 @@ from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.refine import refined, refiner_of
 from llsrbm.request.jump_types import with_defaults
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.robot import Robot
 
 STEP = 1e-3  # s

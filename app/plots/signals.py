@@ -29,7 +29,7 @@ from llsrbm.mechanics import Array, rotation_matrices, yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
-from llsrbm.robots.windings import Windings
+from llsrbm.robots.drives.windings import Windings
 
 
 @dataclass(frozen=True)

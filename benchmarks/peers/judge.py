@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.joint_loads import joint_loads
 from llsrbm.body.knot_motion import KnotMotion
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import json_value
 from llsrbm.robots import load_robot
-from llsrbm.robots.windings import Windings
+from llsrbm.robots.drives.windings import Windings
 
 
 def peak_yaw_rate(plan: Plan) -> float:

@@ -23,7 +23,7 @@ from llsrbm.motion.trajectory import Trajectory
 from llsrbm.number_text import decimal, degrees, percent, power, short
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, load_robot
-from llsrbm.robots.known_drives import known_drives
+from llsrbm.robots.drives.stated import known_drives
 
 Row = tuple[str, str]
 """Title and value."""

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

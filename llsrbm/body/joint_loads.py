@@ -29,7 +29,7 @@ from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
 from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
-from llsrbm.robots.drives import friction_torque, torque_in_direction
+from llsrbm.robots.drives.torques import friction_torque, torque_in_direction
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -52,7 +52,7 @@ class JointLoads:
     joint_acceleration: Array  # (N, J) rad or m, and per s, per s2
     joint_torque: Array  # (N, J) Nm or N
     # (N, J) Nm or N, what the drives can give at that speed in the direction of the torque
-    # (`llsrbm.robots.drives`).
+    # (`llsrbm.robots.drives.torques`).
     torque_available: Array
     # (N, 6) N, Nm: force on the base and moment about its origin, base axes, that the plan lacks;
     # the force is the plan's own balance of linear momentum.

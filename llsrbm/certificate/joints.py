@@ -8,7 +8,7 @@ import numpy as np
 
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import NO_TORQUES, SampledMotion
-from llsrbm.robots.drives import FULL_UP_TO
+from llsrbm.robots.drives.torques import FULL_UP_TO
 
 
 class JointPosition(Check):

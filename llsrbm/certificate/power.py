@@ -20,7 +20,7 @@ from scipy.integrate import cumulative_trapezoid
 from llsrbm.certificate.finding import ALLOWANCE, Check, Finding
 from llsrbm.certificate.sampled_motion import NO_TORQUES, SampledMotion
 from llsrbm.motion.trajectory import json_value
-from llsrbm.robots.windings import Windings
+from llsrbm.robots.drives.windings import Windings
 
 Array = NDArray[np.float64]
 

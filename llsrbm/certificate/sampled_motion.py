@@ -21,7 +21,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, pinocchio_states
 from llsrbm.robots import Robot, load_robot
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 
 Array = NDArray[np.float64]
 Motion = Plan | Rollout | WholeBodyMotion

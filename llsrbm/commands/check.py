@@ -40,7 +40,7 @@ def check_command(
         from llsrbm.formats import load_any, remarks_of
         from llsrbm.motion.whole_body import WholeBodyMotion
         from llsrbm.robots import load_robot
-        from llsrbm.robots.known_drives import known_drives
+        from llsrbm.robots.drives.stated import known_drives
 
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
@@ -78,7 +78,7 @@ def _table(certificate: Certificate) -> list[str]:
 def _power(certificate: Certificate, robot: Robot) -> list[str]:
     """A line each: powers that are known, a power cut, how the drives are known."""
     from llsrbm.analysis.wording import power_cut, power_rows
-    from llsrbm.robots.known_drives import known_in_words
+    from llsrbm.robots.drives.stated import known_in_words
 
     lines = [f"{title}: {words}." for title, words in power_rows(certificate.power)]
     cut = power_cut(certificate)

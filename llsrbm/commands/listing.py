@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def robots_command() -> int:
     """List the robots that come with the project, and how their drives are known."""
     from llsrbm.robots import read_robot_file
-    from llsrbm.robots.known_drives import known_in_words
+    from llsrbm.robots.drives.stated import known_in_words
     from llsrbm.robots.schema import robot_files
 
     files = {name: read_robot_file(path) for name, path in robot_files().items()}

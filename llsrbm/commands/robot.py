@@ -43,7 +43,7 @@ def new_command(
 ) -> int:
     """Write a robot file: measured from the URDF, the rest guessed and marked so."""
     from llsrbm.robots import draft, read_robot_file
-    from llsrbm.robots.known_drives import known_in_words
+    from llsrbm.robots.drives.stated import known_in_words
     from llsrbm.robots.urdf import package_share
 
     package, colon, inside = urdf.partition(":")

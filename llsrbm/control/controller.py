@@ -25,7 +25,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Mode
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import friction_torque, torque_range
+from llsrbm.robots.drives.torques import friction_torque, torque_range
 
 Array = NDArray[np.float64]
 

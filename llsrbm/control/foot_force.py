@@ -21,7 +21,7 @@ from scipy.linalg.lapack import dposv
 
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -15,8 +15,8 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory, description
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot, load_robot
-from llsrbm.robots.drives import driven
-from llsrbm.robots.known_drives import stated_drives
+from llsrbm.robots.drives.stated import stated_drives
+from llsrbm.robots.drives.variants import driven
 from llsrbm.text_files import parse_json, read_text
 
 ORDERS = ("depth-first", "breadth-first")

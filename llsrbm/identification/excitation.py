@@ -20,7 +20,7 @@ from llsrbm.identification.log import EXCITATION
 from llsrbm.player.posture import FirstPosture, Planned
 from llsrbm.player.tier import Tier
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.link_shapes import LinkShapes
 
 Array = NDArray[np.float64]

@@ -24,7 +24,7 @@ from llsrbm.errors import InputError
 from llsrbm.identification.log import Log
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import STILL
+from llsrbm.robots.drives.torques import STILL
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]

@@ -2,9 +2,9 @@
 
     I q'' + F s(q') + D q',    s(q') = q' / sqrt(q'^2 + w^2),
 
-where `llsrbm.robots.drives` has a hyperbolic tangent. The two differ by up to 0.46 F, at 1.3 % of
-the speed limit, and by less than 0.15 F above 5 %; this one's curvature stays small, which the
-planner's solver needs.
+where `llsrbm.robots.drives.torques` has a hyperbolic tangent. The two differ by up to 0.46 F, at
+1.3 % of the speed limit, and by less than 0.15 F above 5 %; this one's curvature stays small, which
+the planner's solver needs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.robots.drives import STILL
+from llsrbm.robots.drives.torques import STILL
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

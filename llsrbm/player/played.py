@@ -34,7 +34,7 @@ from llsrbm.player.states import Jumping, State, outline
 from llsrbm.player.tier import PlanTier
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import driven
+from llsrbm.robots.drives.variants import driven
 from llsrbm.simulation.disturbance import draw_disturbance
 from llsrbm.simulation.episode import LEAST_TICKS, Fall, Recorder, fallen
 from llsrbm.simulation.verdict import judge

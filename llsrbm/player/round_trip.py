@@ -11,7 +11,7 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives.torques import torque_range
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from llsrbm.control.readings import Readings
 from llsrbm.player.posture import Planned, up_of_quat
 from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import torque_range
+from llsrbm.robots.drives.torques import torque_range
 from llsrbm.wire.link import Health
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
 from llsrbm.robots.description import Description
-from llsrbm.robots.drives_schema import (
+from llsrbm.robots.drives.table import (
     ARMATURE_PER_TORQUE,
     DAMPING_PER_TORQUE,
     DELAY,

@@ -26,7 +26,7 @@ from llsrbm.request.tables import (
     validated,
 )
 from llsrbm.robots.control_schema import Control, Uncertainty
-from llsrbm.robots.drives_schema import JointDrives
+from llsrbm.robots.drives.table import JointDrives
 from llsrbm.robots.wire_schema import Wire
 
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
 from llsrbm.robots.description import Description, installed_shares
-from llsrbm.robots.drives_schema import Motor
+from llsrbm.robots.drives.table import Motor
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 

@@ -12,7 +12,7 @@ from llsrbm.planning.problem.violations import describe_worst
 from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-from llsrbm.robots.drives import driven
+from llsrbm.robots.drives.variants import driven
 from llsrbm.simulation.sensors import check_estimator
 
 LATENCIES = {"fixed": "the robot file's", "measured": "the computing time, if longer"}

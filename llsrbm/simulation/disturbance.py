@@ -11,7 +11,7 @@ from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import DURATION, Push, Scenario
-from llsrbm.robots.drives_schema import JointDrives
+from llsrbm.robots.drives.table import JointDrives
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.episode import Hook, Situation
 

@@ -19,7 +19,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import surroundings
 from llsrbm.ocp.progress import interruptible
 from llsrbm.request.scenario import Scenario
-from llsrbm.robots.drives import driven
+from llsrbm.robots.drives.variants import driven
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.disturbance import Pushes, draw_disturbance

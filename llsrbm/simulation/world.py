@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader, Touch
 from llsrbm.simulation.scene import build_scene, hung_posture

@@ -28,8 +28,8 @@ from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import driven
-from llsrbm.robots.known_drives import stated_drives
+from llsrbm.robots.drives.stated import stated_drives
+from llsrbm.robots.drives.variants import driven
 from llsrbm.sweep import rows as row
 from llsrbm.sweep.folder import TABLE, begin_folder, check_empty, difference, disk_errors, stated_of
 from llsrbm.sweep.jump import plan_of, rollout_of

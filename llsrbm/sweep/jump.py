@@ -113,7 +113,7 @@ def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollou
 def _robot(point: Point) -> Robot:
     """With the point's drives, and those of a robot that turns over if the jump does."""
     from llsrbm.robots import load_robot
-    from llsrbm.robots.drives import with_drives
+    from llsrbm.robots.drives.variants import with_drives
 
     robot = load_robot(point.jump.robot)
     robot = robot.turning if point.jump.turns else robot

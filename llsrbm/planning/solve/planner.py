@@ -357,7 +357,7 @@ def planner_of(
         jump: a request.
         solver: its name.
         intervals: as for three phases.
-        robot: the one that the request names, with other drives (`llsrbm.robots.drives`).
+        robot: the one that the request names, with other drives (`llsrbm.robots.drives.variants`).
         cancelled: asked while it is built; True ends with `Cancelled` within 0.1 s.
 
     Raises:

@@ -17,7 +17,7 @@ from scipy.linalg import expm
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -15,7 +15,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import NODES, Grid
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.start import Start
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

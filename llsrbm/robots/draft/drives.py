@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots.description import rotor_links, srdf_rotors
 from llsrbm.robots.draft.anatomy import Anatomy
-from llsrbm.robots.drives_schema import (
+from llsrbm.robots.drives.table import (
     ARMATURE_PER_TORQUE,
     DAMPING_PER_TORQUE,
     DELAY,

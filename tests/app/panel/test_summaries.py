@@ -20,7 +20,7 @@ from llsrbm.analysis.wording import drive_rows
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives_schema import JointDrives, Losses
+from llsrbm.robots.drives.table import JointDrives, Losses
 from tests.app.synthetic_plan import FLY, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import synthetic_rollout

@@ -24,7 +24,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives_schema import Electrical
+from llsrbm.robots.drives.table import Electrical
 from tests.app.plots.lines import at
 from tests.app.synthetic_plan import synthetic_plan
 

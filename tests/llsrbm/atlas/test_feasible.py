@@ -11,7 +11,7 @@ import pytest
 from llsrbm.atlas.feasible import Track, feasible_of, learned, made, tracks, values_of, why_unknown
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import with_drives
+from llsrbm.robots.drives.variants import with_drives
 from tests.llsrbm.atlas.classifiers import border, shipped, weights
 
 JUMP = Jump(twist=0.3, forward=0.1)

@@ -16,7 +16,7 @@ from llsrbm.certificate.power import CUT, DrivePower
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import with_drives
+from llsrbm.robots.drives.variants import with_drives
 from llsrbm.simulation.scene import build_scene
 from tests.llsrbm.formats.jumps import planned, simulated
 from tests.llsrbm.robots.edited import with_table

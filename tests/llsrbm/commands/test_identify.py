@@ -8,7 +8,7 @@ import pytest
 
 from llsrbm.cli import main
 from llsrbm.request.tables import with_tuples
-from llsrbm.robots.drives_schema import JointDrives
+from llsrbm.robots.drives.table import JointDrives
 from tests.llsrbm.identification.synthetic import ARMATURE, DELAY, GO2, as_csv, synthetic_log
 
 

@@ -11,7 +11,7 @@ from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import friction_torque, torque_range
+from llsrbm.robots.drives.torques import friction_torque, torque_range
 from llsrbm.simulation.scene import scene_spec
 from tests.llsrbm.control.bodies import resting_target
 

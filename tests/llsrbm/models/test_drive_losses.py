@@ -6,7 +6,7 @@ import pytest
 
 from llsrbm.models.drive_losses import DriveLosses
 from llsrbm.robots import load_robot, names
-from llsrbm.robots.drives import friction_torque
+from llsrbm.robots.drives.torques import friction_torque
 
 SHARES = np.linspace(-1, 1, 2001)  # of the speed limit
 

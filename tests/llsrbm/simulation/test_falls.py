@@ -6,7 +6,7 @@ from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.simulation import simulate as loop
 from llsrbm.simulation import world
 from tests.llsrbm.planning.solved import solved

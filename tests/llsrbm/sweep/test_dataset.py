@@ -13,7 +13,7 @@ import pytest
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
-from llsrbm.robots.known_drives import known_drives
+from llsrbm.robots.drives.stated import known_drives
 from llsrbm.sweep import dataset
 from llsrbm.sweep.dataset import make_dataset
 from tests.llsrbm.sweep.specs import filled

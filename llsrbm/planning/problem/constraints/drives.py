@@ -1,8 +1,8 @@
 """Limits of the joints' drives: torque, speed, and the torque that is left at a speed.
 
 A drive gives its whole torque up to 70 % of its speed limit, from there less, none at the limit;
-braking takes nothing away (`llsrbm.robots.drives`). With t and w torque and speed as shares of
-their limits this is a polygon,
+braking takes nothing away (`llsrbm.robots.drives.torques`). With t and w torque and speed as shares
+of their limits this is a polygon,
 
     |t| <= 1,   |t + w / 0.3| <= 1 / 0.3,   |w| <= 1,
 
@@ -33,7 +33,7 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
-from llsrbm.robots.drives import FULL_UP_TO
+from llsrbm.robots.drives.torques import FULL_UP_TO
 from llsrbm.robots.robot import Robot
 
 FALL = 1.0 - FULL_UP_TO

@@ -12,7 +12,7 @@ from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.violations import violations
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import torque_in_direction
+from llsrbm.robots.drives.torques import torque_in_direction
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, changed, solved, variable
 
 NAMED = {c.name: c for c in CONSTRAINTS}

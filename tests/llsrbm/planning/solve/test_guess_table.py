@@ -26,7 +26,7 @@ from llsrbm.planning.solve.planner import BY_NEARER, FOLLOWED, NEARBY, planner_o
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives import with_drives
+from llsrbm.robots.drives.variants import with_drives
 from tests.llsrbm.planning.solved import FLIPS, solved
 
 ROBOT = "go2"

@@ -46,7 +46,7 @@ def test_equal_problems_have_equal_fingerprints(original):
     assert elsewhere() == original
 
 
-@pytest.mark.parametrize("number", ["mechanics.INSCRIBED", "robots.drives.FULL_UP_TO"])
+@pytest.mark.parametrize("number", ["mechanics.INSCRIBED", "robots.drives.torques.FULL_UP_TO"])
 def test_a_number_from_anywhere_changes_the_fingerprint(original, number):
     module = number.rpartition(".")[0]
     assert elsewhere(f"import llsrbm.{module}\nllsrbm.{number} *= 0.99") != original

@@ -8,7 +8,7 @@ import pytest
 from llsrbm.cli import main
 from llsrbm.installed import assets_directory
 from llsrbm.robots import load_robot
-from llsrbm.robots.known_drives import known_drives
+from llsrbm.robots.drives.stated import known_drives
 
 PACKAGE = "example-robot-data"
 LEGS = ("left", "right")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.windings import Windings
+from llsrbm.robots.drives.windings import Windings
 from tests.llsrbm.robots.edited import with_table
 from tests.llsrbm.robots.mistakes import check_one_clear_line
 

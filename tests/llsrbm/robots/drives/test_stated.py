@@ -3,8 +3,8 @@
 import pytest
 
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives_schema import JointDrives
-from llsrbm.robots.known_drives import known_drives, known_in_words, stated_drives
+from llsrbm.robots.drives.stated import known_drives, known_in_words, stated_drives
+from llsrbm.robots.drives.table import JointDrives
 
 NUMBERS = {"armature": 0.01, "friction": 0.2, "damping": 0.1}
 

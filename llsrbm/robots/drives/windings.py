@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.robots.drives_schema import Electrical, Motor
+from llsrbm.robots.drives.table import Electrical, Motor
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
-from llsrbm.robots.drives_schema import Source
+from llsrbm.robots.drives.table import Source
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 
