@@ -33,7 +33,8 @@ AsJson = Annotated[
 ]
 
 Interface = Annotated[
-    str, typer.Option(metavar="IF", help="Network interface; lo: this machine alone.")
+    str,
+    typer.Option(metavar="IF", help="Network interface; lo: this machine, for `llsrbm robot-sim`."),
 ]
 Domain = Annotated[int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")]
 
