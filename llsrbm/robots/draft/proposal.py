@@ -96,7 +96,7 @@ def propose(anatomy: Anatomy) -> Proposal:
 
 
 def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> dict[str, Any]:
-    """What goes with the legs' length, m, about feet that stand so far ahead of and beside hips."""
+    """Numbers by the legs' length (m), of feet that stand so far ahead of and beside the hips."""
     return {
         "reach.lower": _metres(
             ahead - _FORWARD * length, side - _SIDEWAYS * length, -_LOWEST * length
