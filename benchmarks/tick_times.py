@@ -140,6 +140,8 @@ def difference(one: Path, other: Path) -> str:
     apart = np.abs(a[:ticks] - b[:ticks]).max(axis=1) / np.abs(b).max()
     beyond = np.flatnonzero(apart > 1e-3)
     until = beyond[0] if len(beyond) else ticks
+    if until == 0:
+        return "apart from the first tick"
     words = "to the end" if until == ticks else f"until tick {until} of {ticks}"
     return f"{apart[:until].max():.0e} {words}"
 
