@@ -134,8 +134,8 @@ class WholeBodyController:
     def step(self, measurement: Measurement) -> Tick:
         """Decide the torques of the tick that begins with a measurement: all that it knows.
 
-        They are for the state and the time at which they will begin to act; in flight the ground is
-        listened for in what is measured, as what is predicted has not happened.
+        Torques are for the state and the time at which they will begin to act; in flight the ground
+        is listened for in what is measured, as what is predicted has not happened.
         """
         body, contacts, measured = self._body, self.contacts, measurement
         self._delay.measured(measured.torque)
@@ -161,7 +161,7 @@ class WholeBodyController:
         if landed:
             planned = self._reference.late(contacts.phase - 1).com_velocity[2]
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
-        if flew and contacts.flying:
+        if flew and contacts.flying:  # nothing was hit: what follows is for what will be met
             time = foreseen.time
             body.update(foreseen.q, foreseen.v)
         target = self._target(time)
