@@ -23,9 +23,9 @@ import typer
 
 import llsrbm
 from llsrbm.errors import Stop
+from llsrbm.planning.answer.nearest import distance
+from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import limits_of, make_task
-from llsrbm.planning.solve.nearest import distance
-from llsrbm.planning.solve.planner import Planner, planner_for
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
 

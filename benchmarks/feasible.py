@@ -37,8 +37,8 @@ from llsrbm.atlas.feasible import (
 )
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.installed import assets_directory
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.solve.guess_table import REQUEST, numbers_key, table_path
-from llsrbm.planning.solve.planner import planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot

@@ -32,7 +32,7 @@ from benchmarks.counting import write_lines
 from benchmarks.range import COMPONENTS, requests
 from llsrbm.control import delay
 from llsrbm.motion.sampling import sampled
-from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.robots import load_robot
 

@@ -26,8 +26,8 @@ import typer
 from llsrbm.errors import NotConverged
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.solve.guess_table import REQUEST, make_table, table_path, write_table
-from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.sweep.points import Points

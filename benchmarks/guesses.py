@@ -18,7 +18,7 @@ import typer
 
 import llsrbm
 from benchmarks.range import COMPONENTS, requests
-from llsrbm.planning.solve.planner import NEARBY, Planner, planner_of
+from llsrbm.planning.answer.planner import NEARBY, Planner, planner_of
 
 SAME_COST = 1e-3  # relative
 QUANTILES = (50, 95, 100)

@@ -31,7 +31,7 @@ from llsrbm.commands import options
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.outcome import FEET_WITHIN, PEAK_TILT, Outcome
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.solve.planner import Planner, planner_of
+from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot

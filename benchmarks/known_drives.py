@@ -20,7 +20,7 @@ import llsrbm
 import llsrbm.simulation.simulate as simulation
 from benchmarks.range import COMPONENTS, requests, torque_rms
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.solve.planner import planner_of
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.variants import ideal
 from llsrbm.robots.robot import Robot

@@ -31,14 +31,14 @@ from benchmarks.counting import count, seeds_of
 from benchmarks.jump_types import failures
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.constraints import drive_rows, drives
 from llsrbm.planning.problem.limits import put_limits
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess
 from llsrbm.planning.solve.formulation import CLOSE, Attempt, Formulation
-from llsrbm.planning.solve.planner import planner_of
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
@@ -100,8 +100,8 @@ def ways(form: Formulation, task: Task, last: Attempt | None) -> Iterator[Callab
         minded = replace(task, agreed_bounds=before)
         yield lambda: form.follow(minded, last.solution, watch)
         yield lambda: form.solve(minded, last.solution.variables, watch, CLOSE)
-        yield lambda: form.solve(task, form.moved(last, task), watch, solvers.PATIENT)
-    yield lambda: form.solve(task, form.guess(task), watch, solvers.PATIENT)
+        yield lambda: form.solve(task, form.moved(last, task), watch, solvers.FROM_GUESS)
+    yield lambda: form.solve(task, form.guess(task), watch, solvers.FROM_GUESS)
 
 
 def attempted(

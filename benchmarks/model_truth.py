@@ -25,7 +25,7 @@ from benchmarks.counting import seeds_of
 from benchmarks.realised import realise
 from llsrbm import models
 from llsrbm.analysis.model_turn import model_turn
-from llsrbm.planning.solve.planner import planner_of
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.request import jump_types
 from llsrbm.request.jump_types import with_defaults
 

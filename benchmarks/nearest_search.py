@@ -20,9 +20,9 @@ import numpy as np
 import typer
 
 import llsrbm
+from llsrbm.planning.answer.nearest import distance
+from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.nearest import distance
-from llsrbm.planning.solve.planner import Planner, planner_for
 from llsrbm.request.jump import COMPONENTS, Jump
 
 HALVINGS = 6

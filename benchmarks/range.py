@@ -31,7 +31,7 @@ import llsrbm
 from benchmarks.counting import count, write_lines
 from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.mechanics import tilt
-from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.robots import load_robot
 
 COMPONENTS = ("twist", "forward", "lateral", "height")

@@ -26,7 +26,7 @@ from llsrbm.body.efforts import efforts
 from llsrbm.body.joint_loads import joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.peak_loads import torque_share
-from llsrbm.planning.solve.planner import planner_of
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.refine import refined, refiner_of
 from llsrbm.request.jump_types import with_defaults

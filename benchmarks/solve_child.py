@@ -15,7 +15,7 @@ import time
 import llsrbm
 
 try:
-    from llsrbm.planning.solve.planner import planner_for
+    from llsrbm.planning.answer.planner import planner_for
 except ModuleNotFoundError:  # versions before `planning.solve`
     from llsrbm.planning.planner import planner_for
 

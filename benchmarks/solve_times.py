@@ -23,8 +23,8 @@ import llsrbm
 from benchmarks.interleaved import compare
 from benchmarks.opti_baseline import solve_baseline
 from llsrbm.motion.solve_report import SolveReport
+from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import Planner, planner_for
 
 INTERVALS = 48
 TASKS = {"twist": {"twist": math.radians(90.0)}, "forward": {"forward": 0.3}}

@@ -23,6 +23,7 @@ import typer
 import llsrbm
 from benchmarks.scaled_drives import scale_lines, with_scaled
 from benchmarks.similar import like_go2, similar
+from llsrbm.planning.answer.planner import Planner
 from llsrbm.planning.problem.constraints import drives
 from llsrbm.planning.problem.constraints.drive_rows import when_in
 from llsrbm.planning.problem.placement import make_task
@@ -30,8 +31,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess
 from llsrbm.planning.solve.formulation import CAUTIOUS, CLOSE, Attempt, Formulation
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.planner import Planner
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 

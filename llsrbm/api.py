@@ -14,10 +14,10 @@ from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
+from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.jump_layout import INTERVALS
-from llsrbm.planning.solve.planner import Planner, planner_of
-from llsrbm.planning.solve.progress import PlanningProgress
+from llsrbm.planning.solve.watch import PlanningProgress
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import of_its_type

@@ -24,7 +24,7 @@ def build(jump: Jump) -> None:
 
 def main(text: str) -> None:
     """Build them; `text`: the jump as JSON."""
-    from llsrbm.planning.solve.planner import planner_of
+    from llsrbm.planning.answer.planner import planner_of
     from llsrbm.request.scenario import Scenario
     from llsrbm.simulation.replanning import Replanning
 

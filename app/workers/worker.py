@@ -159,7 +159,7 @@ class LibraryPlanner:
 
     def _has_nearest(self, task: tasks.PlanJump, cancelled: Callable[[], bool]) -> bool:
         """Whether the solver of nearer jumps is at hand; a slider has it built beside all else."""
-        from llsrbm.planning.solve.planner import planner_of
+        from llsrbm.planning.answer.planner import planner_of
 
         jump = task.jump
         planner = planner_of(jump, cancelled=cancelled)

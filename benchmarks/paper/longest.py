@@ -10,7 +10,7 @@ import llsrbm
 from benchmarks.paper.drawing import TITLE
 from benchmarks.paper.result import Table
 from llsrbm.errors import NotConverged
-from llsrbm.planning.solve.planner import planner_for
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.robots import load_robot
 
 MODELS = ("llsrbm-plus", "srbm")

@@ -12,9 +12,9 @@ from benchmarks.paper.drawing import TITLE
 from benchmarks.paper.result import AGREES, NOT, PARTLY, Result, Table
 from benchmarks.solve_child import wait_for_library
 from llsrbm.ocp.horizon import Solution
-from llsrbm.ocp.solvers import PATIENT
+from llsrbm.ocp.solvers import FROM_GUESS
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import planner_for
 
 REPEATS = 9
 TASKS = {
@@ -76,4 +76,4 @@ def _solve(jump: llsrbm.Jump) -> Callable[[], Solution]:
     formulation = planner.formulation
     task = make_task(jump, planner.robot)
     problem, guess = formulation.problem(task), formulation.guess(task)
-    return lambda: formulation.solver.solve(problem, guess, options=PATIENT)
+    return lambda: formulation.solver.solve(problem, guess, options=FROM_GUESS)

@@ -16,8 +16,8 @@ from benchmarks.peers.judge import Motion
 from benchmarks.solve_child import wait_for_library
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.models import make_model
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.planner import planner_for
 from llsrbm.planning.whole_body.refine import refined, refiner_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot

@@ -25,7 +25,7 @@ from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, load_robot
 from llsrbm.robots.drives.stated import known_drives
 
-Row = tuple[str, str]
+TitledValue = tuple[str, str]
 """Title and value."""
 
 _LOSSES = (
@@ -45,7 +45,7 @@ class InWords:
     def __getitem__(self, name: str) -> str:
         return FIGURE[name].words(self.figures)
 
-    def row(self, name: str) -> Row:
+    def row(self, name: str) -> TitledValue:
         """A figure's title and value."""
         return FIGURE[name].title, self[name]
 
@@ -60,7 +60,7 @@ class InWords:
 # ---- plans
 
 
-def plan_rows(plan: Plan) -> list[Row]:
+def plan_rows(plan: Plan) -> list[TitledValue]:
     """The plan's figures."""
     shown, load = InWords(figures_of_plan(plan)), planned_peak_load(plan)
     rows = [("Duration", f"{shown['duration_s']} = {_phases(plan)}")]
@@ -96,7 +96,7 @@ def _phases(plan: Plan) -> str:
     )
 
 
-def _model_rows(plan: Plan) -> list[Row]:
+def _model_rows(plan: Plan) -> list[TitledValue]:
     """Turn of the whole body beyond what the model promises."""
     error = model_turn(plan)
     if error is None:
@@ -136,7 +136,7 @@ def worst_violation(plan: Plan) -> str:
     return f"{amount} ({name})"
 
 
-def violation_rows(violations: dict[str, Violation]) -> list[Row]:
+def violation_rows(violations: dict[str, Violation]) -> list[TitledValue]:
     """Every constraint's largest violation, the largest first."""
 
     def size(violation: Violation) -> float:
@@ -193,7 +193,7 @@ def shortfalls(outcome: Outcome) -> str:
     return ", ".join(words[name] for name in of)
 
 
-def rollout_rows(rollout: Rollout) -> list[Row]:
+def rollout_rows(rollout: Rollout) -> list[TitledValue]:
     """The simulation's figures; what went wrong before a fall comes first."""
     outcome, shown = rollout.outcome, InWords(rollout.outcome)
     rows = []
@@ -279,7 +279,7 @@ def _drives(of: Disturbance) -> str:
     return f"rotors {rotors}, joint friction {decimal(of.joint_friction_factor, 1)} ×"
 
 
-def drive_rows(robot: Robot) -> list[Row]:
+def drive_rows(robot: Robot) -> list[TitledValue]:
     """The numbers of a robot's drives, a limb's from the base outwards, and how they are known."""
     known, rows = known_drives(robot.file), []
     limbs = [("", robot.legs[0].joints), *(("arms.", arm.joints) for arm in robot.arms[:1])]
@@ -336,7 +336,7 @@ def _controller(rollout: Rollout) -> str:
 # ---- drives
 
 
-def power_rows(forecast: PowerForecast) -> list[Row]:
+def power_rows(forecast: PowerForecast) -> list[TitledValue]:
     """Powers that drives and battery give and take back, where known."""
     of, rows = forecast, []
     if of.peak_w is not None and of.peak_s is not None:

@@ -18,7 +18,7 @@ from llsrbm.certificate.power import (
     Regeneration,
     WindingHeat,
 )
-from llsrbm.certificate.sampled_motion import Motion, SampledMotion
+from llsrbm.certificate.sampled_motion import AnyMotion, SampledMotion
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -70,7 +70,7 @@ class Certificate:
         return {found.name: found.as_dict() for found in self.findings}
 
 
-def certify(motion: Motion, robot: Robot | None = None) -> Certificate:
+def certify(motion: AnyMotion, robot: Robot | None = None) -> Certificate:
     """Check a plan, a rollout or another tool's motion at 1 kHz on the robot's plain URDF.
 
     Args:

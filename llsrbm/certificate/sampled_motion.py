@@ -24,7 +24,7 @@ from llsrbm.robots import Robot, load_robot
 from llsrbm.robots.drives.torques import friction_torque
 
 Array = NDArray[np.float64]
-Motion = Plan | Rollout | WholeBodyMotion
+AnyMotion = Plan | Rollout | WholeBodyMotion
 
 RATE = 1000.0  # Hz
 _FIRST = 3e-4  # s: the first instant; with it none falls on a tick of 400, 500 or 1000 Hz
@@ -51,7 +51,7 @@ class SampledMotion:
             which acts somewhere in its sole.
     """
 
-    source: Motion
+    source: AnyMotion
     robot: Robot
     model: pin.Model
     time: Array
@@ -66,7 +66,7 @@ class SampledMotion:
     whole_feet: bool
 
     @staticmethod
-    def of(motion: Motion, robot: Robot | None = None) -> SampledMotion:
+    def of(motion: AnyMotion, robot: Robot | None = None) -> SampledMotion:
         """Sample a motion; `robot`: the one that a plan names, with other drives.
 
         Raises:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 from llsrbm.commands.streams import text_stream
 
 if TYPE_CHECKING:
-    from llsrbm.planning.solve.progress import PlanningProgress
+    from llsrbm.planning.solve.watch import PlanningProgress
 
 DONE, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # exit statuses
 _LINE_TIME = 30.0  # s between lines of progress where there is no terminal

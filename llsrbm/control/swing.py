@@ -13,7 +13,7 @@ from llsrbm.mechanics import yaw
 from llsrbm.motion.plan import Plan
 
 Array = NDArray[np.float64]
-Motion = Callable[[Array, int], Array]
+FootPath = Callable[[Array, int], Array]
 """Places (K, L, 3) at K times, or one of their derivatives by its order."""
 
 
@@ -65,12 +65,12 @@ def swing_motion(
     return (motion[0], motion[1], motion[2]), heading
 
 
-def _clamped(time: Array, place: Array, first: Array, last: Array) -> Motion:
+def _clamped(time: Array, place: Array, first: Array, last: Array) -> FootPath:
     """A cubic spline through places (K, L, 3), of which ends have velocities (L, 3)."""
     return CubicSpline(time, place, bc_type=((1, first), (1, last)))
 
 
-def _evenly_driven(time: Array, place: Array, first: Array, last: Array) -> Motion:
+def _evenly_driven(time: Array, place: Array, first: Array, last: Array) -> FootPath:
     """Places (K, L, 3) at K knots as a motion whose accelerations are those of the plan.
 
     Velocities are straight from the first (L, 3) through those of the intervals, at their middles,

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 _NONE, _IDENTITY = np.zeros(3), np.eye(3)
 
 
-class Motion(NamedTuple):
+class TaskMotion(NamedTuple):
     """Motion of m task coordinates x, for n velocities v of the robot."""
 
     jacobian: Array  # (m, n): the coordinates' rate is `jacobian @ v`
@@ -44,7 +44,7 @@ class Task(ABC):
         self._stiffness, self._damping = gains
 
     @abstractmethod
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         """The task's coordinates as they are, and as they should be."""
 
     def write(self, body: WholeBody, target: Target, jacobian: Array, command: Array) -> None:
@@ -63,8 +63,8 @@ class CentreOfMass(Task):
 
     rows = 3
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
-        return Motion(
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
+        return TaskMotion(
             body.momentum_matrix[:3] / body.mass,
             body.momentum_bias[:3] / body.mass,
             target.com - body.com,
@@ -85,9 +85,9 @@ class AngularMomentum(Task):
     def __init__(self, decay: float) -> None:
         super().__init__((0.0, decay))
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         per_inertia = solved(body.inertia, _IDENTITY)
-        return Motion(
+        return TaskMotion(
             per_inertia.dot(body.momentum_matrix[3:]),
             per_inertia.dot(body.momentum_bias[3:]),
             _NONE,
@@ -101,11 +101,11 @@ class BaseOrientation(Task):
 
     rows = 3
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         jacobian = np.zeros((3, body.velocities))
         # The base's own angular velocity, turned into the world; it turns with itself: no bias.
         jacobian[:, 3:6] = body.R_world_base
-        return Motion(
+        return TaskMotion(
             jacobian,
             _NONE,
             pin.log3(target.R_world_base @ body.R_world_base.T),
@@ -123,12 +123,12 @@ class FootOrientation(Task):
         super().__init__(gains)
         self._foot = foot
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._foot
         heading, rate, acceleration = target.foot_heading[i]
         c, s = np.cos(heading), np.sin(heading)
         wanted = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        return Motion(
+        return TaskMotion(
             body.foot_rotation_jacobian[i],
             body.foot_rotation_bias[i],
             pin.log3(wanted @ body.R_world_foot[i].T),
@@ -150,9 +150,9 @@ class Posture(Task):
         self._jacobian = np.eye(velocities)[6:][self._joints]
         self._none = np.zeros(self.rows)
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._joints
-        return Motion(
+        return TaskMotion(
             self._jacobian,
             self._none,
             target.joint_position[i] - body.q[7:][i],
@@ -184,11 +184,11 @@ class SwingFeet(Task):
         self._feet = _places(feet)
         self.rows = 3 * len(feet)
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._feet
         error = target.foot_from_com[i] - (body.foot[i] - body.com)
         error_rate = target.foot_velocity_from_com[i] - (body.foot_velocity[i] - body.com_velocity)
-        return Motion(
+        return TaskMotion(
             body.foot_jacobian[i].reshape(self.rows, -1),
             body.foot_bias[i].ravel(),
             error.ravel(),
@@ -207,9 +207,9 @@ class SeekingFeet(Task):
         self.rows = 3 * len(feet)
         self._none = np.zeros(self.rows)
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._feet
-        return Motion(
+        return TaskMotion(
             body.foot_jacobian[i].reshape(self.rows, -1),
             body.foot_bias[i].ravel(),
             self._none,
@@ -232,9 +232,9 @@ class StandingFeet(Task):
         self.rows = 3 * points * len(feet)
         self._none = np.zeros(self.rows)
 
-    def motion(self, body: WholeBody, target: Target) -> Motion:
+    def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._points
-        return Motion(
+        return TaskMotion(
             body.contact_jacobian[i].reshape(self.rows, -1),
             body.contact_bias[i].ravel(),
             self._none,

@@ -38,7 +38,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Row:
+class Strip:
     """One strip."""
 
     name: str
@@ -79,7 +79,7 @@ class Timeline:
         bars: computing times of what was planned anew.
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[Strip, ...]
     marks: tuple[Mark, ...]
     summary: str
     end: float
@@ -104,7 +104,7 @@ def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:
     else:
         end, events = max(plan.duration, float(rollout.time[-1])), _events(rollout)
         simulated = _simulated(rollout, plan.duration)
-        rows = [_planned(plan, end), Row("simulation", palette.SIMULATED, simulated)]
+        rows = [_planned(plan, end), Strip("simulation", palette.SIMULATED, simulated)]
         marks += _simulated_marks(rollout)
         bars = tuple(_bar(replan) for replan in rollout.replans)
     marks.sort(key=lambda mark: mark.time)
@@ -154,12 +154,12 @@ def _simulated(rollout: Rollout, planned_end: float) -> tuple[Piece, ...]:
     return (*pieces, *forces)
 
 
-def _planned(plan: Plan, end: float) -> Row:
+def _planned(plan: Plan, end: float) -> Strip:
     edges = enumerate(pairwise(plan.phase_start.tolist()))
     pieces = [_piece(plan.schedule, phase, a, b) for phase, (a, b) in edges]
     if end > plan.duration:
         pieces.append(_standing(plan.duration, end))
-    return Row("plan", palette.PLANNED, tuple(pieces))
+    return Strip("plan", palette.PLANNED, tuple(pieces))
 
 
 def _standing(start: float, end: float) -> Piece:

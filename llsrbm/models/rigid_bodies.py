@@ -52,7 +52,7 @@ class Link:
     own: Mass
 
 
-class Foot(NamedTuple):
+class FootMotion(NamedTuple):
     """A foot in motion; base axes, seen from the base's origin."""
 
     position: Any  # (3,) m
@@ -110,7 +110,9 @@ class RigidBodies:
         )
         self.losses = DriveLosses.of(robot)
 
-    def feet(self, position: Any, velocity: Any, omega: Any, base_velocity: Any) -> list[Foot]:
+    def feet(
+        self, position: Any, velocity: Any, omega: Any, base_velocity: Any
+    ) -> list[FootMotion]:
         """The motion of all feet.
 
         Args:
@@ -123,7 +125,7 @@ class RigidBodies:
             *_, last = self.moving(self.chain(carrier), position, velocity, base)
             R, arm = last.rotation, ca.DM(placed.translation)
             found.append(
-                Foot(
+                FootMotion(
                     position=last.position + ca.mtimes(R, arm),
                     velocity=ca.mtimes(R, last.velocity + cross(last.omega, arm)),
                     rotation=ca.mtimes(R, _constant(placed.rotation)),

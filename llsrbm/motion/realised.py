@@ -33,7 +33,7 @@ from llsrbm.body.postures import joint_speeds, solve_postures
 from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_continuous
 from llsrbm.motion.curves import Indices, Polynomials, Turns, slope_of, turns
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.sampling import Instants, resample, sampled
+from llsrbm.motion.sampling import Interpolation, resample, sampled
 from llsrbm.robots.legs import LegMotion
 from llsrbm.robots.robot import Robot
 
@@ -69,7 +69,7 @@ def realised(plan: Plan, robot: Robot, times: Array) -> Plan:
     body = _body(plan, robot)
     if not body.fits:
         return plain
-    found: dict[str, Any] = body.at(Instants.of(plan.time, plain.time))
+    found: dict[str, Any] = body.at(Interpolation.of(plan.time, plain.time))
     back = [robot.joint_names.index(name) for name in plan.joint_names]
     for name in ("joint_position", "joint_velocity"):
         found[name] = found[name][:, back]
@@ -107,7 +107,7 @@ class _Body:
         missed = np.abs(feet - plan.foot_position).max(), np.abs(com - plan.com).max()
         return bool(max(missed) < _AWAY)
 
-    def at(self, instants: Instants) -> dict[str, Array]:
+    def at(self, instants: Interpolation) -> dict[str, Array]:
         """Quantities of the plan at K instants, joints in the robot's order."""
         raise NotImplementedError
 
@@ -125,7 +125,7 @@ class _ByStates(_Body):
             np.hstack([plan.base_position, q]), np.hstack([velocity, v]), self._dt
         )
 
-    def at(self, instants: Instants) -> dict[str, Array]:
+    def at(self, instants: Interpolation) -> dict[str, Array]:
         k, share = instants.left, instants.share
         moving = ~instants.outside[:, None]
         quat, rate = self._turns.at(k, share)
@@ -261,7 +261,7 @@ class _ByMomentum(_Body):
         speed = motion["arm_speed"]
         return joint_speeds(self._robot, joints, quat, omega, *velocities, legs, speed)
 
-    def at(self, instants: Instants) -> dict[str, Array]:
+    def at(self, instants: Interpolation) -> dict[str, Array]:
         k, share = instants.left, instants.share
         moving = ~instants.outside[:, None]
         motion, feet = self._planned(instants.time, k, share), self._feet(k, share)

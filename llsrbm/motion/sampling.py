@@ -132,7 +132,7 @@ def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> d
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or not np.isfinite(times).all():
         raise InputError("times: expected a list of finite numbers, s")
-    instants = Instants.of(trajectory.time, times)
+    instants = Interpolation.of(trajectory.time, times)
     between = _BetweenKnots(trajectory, instants) if isinstance(trajectory, Plan) else None
     values: dict[str, Any] = {}
     for name, quantity in quantities(type(trajectory)).items():
@@ -157,7 +157,7 @@ def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> d
 
 
 @dataclass(frozen=True, eq=False)
-class Instants:
+class Interpolation:
     """Where K instants lie among knots or ticks.
 
     Attributes:
@@ -176,7 +176,7 @@ class Instants:
     share: Array
 
     @staticmethod
-    def of(knots: Array, times: Array) -> Instants:
+    def of(knots: Array, times: Array) -> Interpolation:
         """Places of instants (K,) s among knots or ticks, s."""
         inside = np.clip(times, knots[0], knots[-1])
         at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
@@ -185,7 +185,7 @@ class Instants:
         share = np.clip((inside - knots[left]) / dt, 0.0, 1.0)
         exact = np.abs(knots[at] - inside) <= _SAME_INSTANT
         outside = np.abs(times - inside) > _SAME_INSTANT
-        return Instants(inside, outside, at, exact, left, dt, share)
+        return Interpolation(inside, outside, at, exact, left, dt, share)
 
     def weighted(self, factor: Array, values: Array) -> Array:
         """`values` (K, ...), each times its own of `factor` (K,)."""
@@ -221,18 +221,18 @@ class Instants:
         )
 
 
-_RULES: dict[Between, Callable[[Instants, Any], Any]] = {
+_RULES: dict[Between, Callable[[Interpolation, Any], Any]] = {
     Between.HELD: lambda instants, values: values[instants.at],
-    Between.LINEAR: Instants.linear,
-    Between.TURNING: Instants.turning,
-    Between.POSE: Instants.pose,
+    Between.LINEAR: Interpolation.linear,
+    Between.TURNING: Interpolation.turning,
+    Between.POSE: Interpolation.pose,
 }
 
 
 class _BetweenKnots:
     """Rules between a plan's knots beyond those of any trajectory: `rules` by their names."""
 
-    def __init__(self, plan: Plan, instants: Instants) -> None:
+    def __init__(self, plan: Plan, instants: Interpolation) -> None:
         self._plan, self._instants = plan, instants
         self.rules: dict[Between, Callable[[str], Any]] = {
             Between.BALLISTIC: self._ballistic,

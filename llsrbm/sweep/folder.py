@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import Error, InputError
 from llsrbm.file_locks import lock
-from llsrbm.sweep.rows import Row, schema, table_of
+from llsrbm.sweep.rows import TableRow, schema, table_of
 
 if TYPE_CHECKING:
     from llsrbm.sweep.points import Points
@@ -53,7 +53,7 @@ class Folder:
         self.damaged: list[str] = []
         self.done: NDArray[np.bool_] = np.zeros(points.count, dtype=bool)
         self._schema = schema(points.spec)
-        self._first, self._next, self._rows = 0, 0, list[Row]()
+        self._first, self._next, self._rows = 0, 0, list[TableRow]()
         self._since = time.monotonic()
         with disk_errors(path):
             begin_folder(path)
@@ -76,7 +76,7 @@ class Folder:
         """The folder of the table's parts."""
         return self.path / TABLE
 
-    def append(self, jump: int, rows: list[Row]) -> None:
+    def append(self, jump: int, rows: list[TableRow]) -> None:
         """Keep a jump's rows, one a seed; `flush`, or some seconds, put them on the disk.
 
         Jumps' numbers increase from call to call, so that parts are in order. Raises `Error`: no

@@ -24,13 +24,13 @@ from llsrbm.errors import Error, InputError, NotConverged
 from llsrbm.installed import package_version
 from llsrbm.sweep import rows
 from llsrbm.sweep.points import Point
-from llsrbm.sweep.rows import FAILED, TIMED_OUT, Row
+from llsrbm.sweep.rows import FAILED, TIMED_OUT, TableRow
 from llsrbm.sweep.spec import Spec
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
     from llsrbm.motion.rollout import Rollout
-    from llsrbm.planning.solve.planner import Planner
+    from llsrbm.planning.answer.planner import Planner
     from llsrbm.robots.robot import Robot
 
 
@@ -40,7 +40,7 @@ _LONGEST_MESSAGE = 500  # characters of a row's message
 _OUTCOMES = {column.name for column in rows.COLUMNS} - {"status"}
 
 
-def rows_of(spec: Spec, point: Point) -> list[Row]:
+def rows_of(spec: Spec, point: Point) -> list[TableRow]:
     """Plan a jump and simulate it once a seed: one row a seed. Raises `InputError`: the robot's
     file is not on this machine.
     """
@@ -59,7 +59,7 @@ def rows_of(spec: Spec, point: Point) -> list[Row]:
     return found
 
 
-def failed_rows(point: Point, status: str, message: str) -> list[Row]:
+def failed_rows(point: Point, status: str, message: str) -> list[TableRow]:
     """The rows of a jump that could not be computed."""
     row = {**request_of(point), "status": status, "message": message}
     pairs = zip(point.rows, point.seeds, strict=True)
@@ -75,7 +75,7 @@ def prepare(points: Sequence[Point]) -> None:
             continue  # a contradictory request: its row has the error
 
 
-def request_of(point: Point) -> Row:
+def request_of(point: Point) -> TableRow:
     """Request, version and robot of a point's rows."""
     return {
         "jump": point.number,
@@ -121,14 +121,14 @@ def _robot(point: Point) -> Robot:
 
 
 def _planner(point: Point) -> Planner:
-    from llsrbm.planning.solve.planner import planner_of
+    from llsrbm.planning.answer.planner import planner_of
 
     planner = planner_of(point.jump, robot=_robot(point))
     planner.formulation.solver.settle()
     return planner
 
 
-def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
+def _planned(spec: Spec, point: Point) -> tuple[TableRow, Plan | None]:
     try:
         plan = plan_of(spec, point)
         row = {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}
@@ -141,19 +141,19 @@ def _planned(spec: Spec, point: Point) -> tuple[Row, Plan | None]:
         return _failure(error), None
 
 
-def _certificate(plan: Plan, robot: Robot) -> Row:
+def _certificate(plan: Plan, robot: Robot) -> TableRow:
     """With the drives of the point, which the plan was made for."""
     from llsrbm.certificate import certify
 
     certificate = certify(plan, robot)
-    row: Row = {
+    row: TableRow = {
         "certified": certificate.holds,
         "uncertified": [found.name for found in certificate.broken],
     }
     return row if certificate.holds else {**row, "status": rows.NOT_CERTIFIED}
 
 
-def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Row:
+def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> TableRow:
     start = time.perf_counter()
     try:
         outcome = asdict(rollout_of(spec, point, plan, seed).outcome)
@@ -167,7 +167,7 @@ def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Row:
     }
 
 
-def _failure(error: Exception) -> Row:
+def _failure(error: Exception) -> TableRow:
     status = rows.REFUSED if isinstance(error, InputError) else rows.FAILED
     return {"status": status, "message": _one_line(error)}
 
@@ -177,20 +177,20 @@ def _one_line(error: Exception) -> str:
     return text if len(text) <= _LONGEST_MESSAGE else f"{text[:_LONGEST_MESSAGE]}..."
 
 
-def _solve(plan: Plan) -> Row:
+def _solve(plan: Plan) -> TableRow:
     """Effort and result of a solve, whether it converged or not."""
     names = ("iterations", "attempts", "cost", "solve_time_s")
     worst = max((each.amount for each in plan.violations.values()), default=None)
     return {**{name: getattr(plan.report, name) for name in names}, "violation": worst}
 
 
-def _stop(error: NotConverged, diagnosed: bool) -> Row:
+def _stop(error: NotConverged, diagnosed: bool) -> TableRow:
     """The limit that stops a jump if it was diagnosed, else the constraint violated most."""
     from llsrbm.planning.problem.violations import severity
 
     violations = error.plan.violations
     worst = max(violations, key=lambda name: severity(violations[name]), default=None)
-    row: Row = {
+    row: TableRow = {
         "status": rows.NOT_PLANNED,
         "stopped_by": worst,
         "constraint": worst,
@@ -204,12 +204,12 @@ def _stop(error: NotConverged, diagnosed: bool) -> Row:
     return row
 
 
-def _figures(plan: Plan, robot: Robot) -> Row:
+def _figures(plan: Plan, robot: Robot) -> TableRow:
     from llsrbm.analysis.summaries import peak_yaw_rate, planned_peak_load, planned_torque_shares
     from llsrbm.mechanics import final_yaw
 
     durations = np.diff(plan.phase_start)
-    row: Row = {
+    row: TableRow = {
         "duration_s": plan.duration,
         "takeoff_s": plan.lift_off,
         "flight_s": float(sum(durations[flight] for flight in plan.schedule.flights)),
@@ -228,12 +228,12 @@ def _figures(plan: Plan, robot: Robot) -> Row:
     return row | _joints(plan, robot) | _forces(plan, robot)
 
 
-def _joints(plan: Plan, robot: Robot) -> Row:
+def _joints(plan: Plan, robot: Robot) -> TableRow:
     """Largest speed and smallest margin at knots; between them would take a tenth of a plan."""
     q, model = plan.joint_position, robot.model
     room = np.minimum(q - model.lowerPositionLimit[7:], model.upperPositionLimit[7:] - q)
     tightest = int(room.min(axis=0).argmin())
-    row: Row = {
+    row: TableRow = {
         "joint_margin": float(room[:, tightest].min()),
         "margin_joint": plan.joint_names[tightest],
     }
@@ -245,7 +245,7 @@ def _joints(plan: Plan, robot: Robot) -> Row:
     return row
 
 
-def _forces(plan: Plan, robot: Robot) -> Row:
+def _forces(plan: Plan, robot: Robot) -> TableRow:
     from llsrbm.mechanics import GRAVITY
 
     force = plan.contact_force
@@ -298,14 +298,14 @@ class _Process:
         self._connection.close()
 
 
-def run_jump(spec: Spec, point: Point, limit: float) -> list[Row]:
+def run_jump(spec: Spec, point: Point, limit: float) -> list[TableRow]:
     """A jump's rows, computed within `limit` seconds or failed; called by Dask in a worker. Raises
     `Error`: this machine lacks the robot's file, or something else that all jumps need.
     """
     died = ""
     for _ in range(_ATTEMPTS):
         try:
-            found: list[Row] = compute(rows_of, spec, point, limit=limit)
+            found: list[TableRow] = compute(rows_of, spec, point, limit=limit)
         except TimeoutError:
             return failed_rows(point, TIMED_OUT, f"no result within {limit:g} s")
         except ProcessDied as error:

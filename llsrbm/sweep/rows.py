@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from llsrbm.motion.plan import Plan
 
-Row = dict[str, Any]
+TableRow = dict[str, Any]
 """Column name -> value; a name that is missing is null."""
 
 PLANNED, NOT_PLANNED, REFUSED = "planned", "not planned", "refused"
@@ -214,7 +214,7 @@ def schema(spec: Spec) -> pa.Schema:
     )
 
 
-def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
+def table_of(rows: Sequence[TableRow], wanted: pa.Schema) -> pa.Table:
     """Rows as a table. Raises `KeyError`: a row names a column that the schema does not have."""
     import pyarrow as pa
 
@@ -224,7 +224,7 @@ def table_of(rows: Sequence[Row], wanted: pa.Schema) -> pa.Table:
     return pa.Table.from_pylist([*rows], schema=wanted)
 
 
-def motion_of(plan: Plan) -> Row:
+def motion_of(plan: Plan) -> TableRow:
     """The columns of `motion_columns`."""
     arrays = {name: getattr(plan, name) for name in _MOTION}
     row = {n: None if a is None else a.astype(float).ravel() for n, a in arrays.items()}

@@ -29,7 +29,7 @@ from llsrbm.number_text import duration
 from llsrbm.sweep.folder import Folder, difference
 from llsrbm.sweep.jump import failed_rows, run_jump, run_prepare
 from llsrbm.sweep.points import Points
-from llsrbm.sweep.rows import FAILED, Row
+from llsrbm.sweep.rows import FAILED, TableRow
 from llsrbm.sweep.spec import Spec
 
 GO_ON = "what is done is kept: run the same command again to go on"
@@ -210,7 +210,7 @@ class _Work:
         self._flight: dict[distributed.Future, int] = {}
         self._ended: queue.SimpleQueue[distributed.Future] = queue.SimpleQueue()
         # Jumps that were handed out and are not written, in order; None: under way.
-        self._held: dict[int, list[Row] | None] = {}
+        self._held: dict[int, list[TableRow] | None] = {}
         self._counted = -math.inf
         done = int(self.folder.done.sum())
         self.so_far = Progress(self.folder.points.count, done, done)

@@ -32,7 +32,7 @@ from app.link import (
     read_event,
 )
 from app.motion.clip import Clip
-from llsrbm.look.timeline import Mark, Piece, Row, Timeline
+from llsrbm.look.timeline import Mark, Piece, Strip, Timeline
 from llsrbm.request.tuning import Tuning
 from tests.app.page_script import call
 
@@ -208,7 +208,7 @@ def test_the_scripts_send_every_kind_of_event_and_no_other():
 
 
 TIMELINE = Timeline(
-    (Row('a "row"', (7, 8, 9), (Piece("flight", 0.4, 0.9, (1, 2, 3), low=True),)),),
+    (Strip('a "row"', (7, 8, 9), (Piece("flight", 0.4, 0.9, (1, 2, 3), low=True),)),),
     (Mark("apex", 0.6, (4, 5, 6)),),
     "events",
     1.3,

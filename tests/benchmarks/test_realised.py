@@ -5,7 +5,7 @@ import pytest
 
 from benchmarks.realised import realise
 from llsrbm import models
-from llsrbm.planning.solve.planner import planner_for, planner_of
+from llsrbm.planning.answer.planner import planner_for, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import FLIPS, TYPES, solved

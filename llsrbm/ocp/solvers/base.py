@@ -46,7 +46,7 @@ class SolveOptions:
 
 # From a guess, which is far from the optimum. The push takes 15 % fewer iterations over ten jumps
 # and three models than with the solver's default.
-PATIENT = SolveOptions(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
+FROM_GUESS = SolveOptions(mu=1e-2, iterations=150, push=0.05, acceptable=(5e-3, 4))
 
 # A solve near a known solution stops at this tolerance: the cost is 0.02 % from that of a cold one.
 NEAR_TOLERANCE = 3e-4
@@ -54,10 +54,10 @@ NEAR_TOLERANCE = 3e-4
 NEAR_MU = NEAR_TOLERANCE / 11
 # A solution that violates the rows of its neighbour by more, in their units of about 1, is none:
 # Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3.
-TOO_FAR = 1.0
+MAX_FOLLOW_MISS = 1.0
 MEMORY_OF_TEXT = 1.4e-6  # MB a letter: 1.0 to 1.5 of ten solvers
 # Likewise of a guess: analytic ones violate rows by some 3.
-HOPELESS = 100.0
+MAX_GUESS_MISS = 100.0
 
 
 class Solver(ABC):
@@ -73,7 +73,7 @@ class Solver(ABC):
 
     def _adopt(self, transcribed: Transcribed) -> None:
         self._problem = transcribed
-        self._cold = {PATIENT: self._solver_from_guesses(PATIENT)}
+        self._cold = {FROM_GUESS: self._solver_from_guesses(FROM_GUESS)}
         self._near: dict[tuple[float, int] | None, ca.Function] = {None: self._solver_near(None)}
 
     @property
@@ -132,7 +132,7 @@ class Solver(ABC):
         self,
         problem: Problem,
         guess: Array,
-        options: SolveOptions = PATIENT,
+        options: SolveOptions = FROM_GUESS,
         read: Callable[[str], None] | None = None,
     ) -> Solution:
         """Solve from a guess of all variables; `read` receives the table of iterations, if any.
@@ -141,7 +141,7 @@ class Solver(ABC):
         """
         with solving:
             self._renew()
-            if (miss := self.miss(problem, guess)) > HOPELESS:
+            if (miss := self.miss(problem, guess)) > MAX_GUESS_MISS:
                 start = Iterate(guess, np.zeros_like(problem.lower))
                 return self._not_begun(problem, start, miss)
             if options not in self._cold:
@@ -153,18 +153,18 @@ class Solver(ABC):
         self,
         problem: Problem,
         start: Iterate,
-        too_far: float = TOO_FAR,
+        max_miss: float = MAX_FOLLOW_MISS,
         acceptable: tuple[float, int] | None = None,
     ) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off.
 
-        `too_far`: largest violation of a row with which it is begun; `acceptable`: see
+        `max_miss`: largest violation of a row with which it is begun; `acceptable`: see
         `SolveOptions`.
         """
         with solving:
             self._renew()
             rows = self._rows(problem, start.variables)
-            if (miss := largest_violation(problem, rows)) > too_far:
+            if (miss := largest_violation(problem, rows)) > max_miss:
                 return self._not_begun(problem, start, miss)
             if acceptable not in self._near:
                 self._near[acceptable] = self._solver_near(acceptable)

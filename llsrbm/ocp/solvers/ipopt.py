@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
-from llsrbm.ocp.solvers.base import NEAR_MU, PATIENT, SolveOptions, Solver
+from llsrbm.ocp.solvers.base import FROM_GUESS, NEAR_MU, SolveOptions, Solver
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Ipopt(Solver):
         return self._nlpsol(options, {})
 
     def _solver_near(self, acceptable: tuple[float, int] | None) -> ca.Function:
-        return self._nlpsol(replace(PATIENT, mu=NEAR_MU), {"warm_start_init_point": "yes"})
+        return self._nlpsol(replace(FROM_GUESS, mu=NEAR_MU), {"warm_start_init_point": "yes"})
 
     def _nlpsol(self, options: SolveOptions, more: dict[str, Any]) -> ca.Function:
         hessian = self.function("nlp_hess_l")

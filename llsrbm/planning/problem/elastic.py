@@ -34,8 +34,8 @@ from llsrbm.request.jump import COMPONENTS
 
 Array = NDArray[np.float64]
 
-GIVEN_UP = "given_up"  # state: shares of the ranges by which the request's components are reduced
-GIVE_UP = "next_given_up"  # control: what they become
+SHORTFALL = "shortfall"  # state: shares of the ranges by which the request's components are reduced
+NEXT_SHORTFALL = "next_shortfall"  # control: what they become
 _OWN = 3  # numbers of a leg that each interval has for itself, see `swing_numbers`
 _ROUND = 1e-4  # m, of the smooth maximum's corner
 
@@ -45,15 +45,16 @@ class ElasticRole(Role):
     """Kind of a knot's stage, with the places of its feet.
 
     Attributes:
-        stood, lands: (L,) place in which each foot stands, or stood last; stands, or stands next.
-        knows: whether what is given up is known, a state.
-        gives_up: whether it is chosen over the interval that starts here.
+        places_before, places_after: (L,) place in which each foot stands, or stood last; stands, or
+            stands next.
+        has_shortfall: whether what is given up is known, a state.
+        chooses_shortfall: whether it is chosen over the interval that starts here.
     """
 
-    stood: tuple[int, ...] = ()
-    lands: tuple[int, ...] = ()
-    knows: bool = False
-    gives_up: bool = False
+    places_before: tuple[int, ...] = ()
+    places_after: tuple[int, ...] = ()
+    has_shortfall: bool = False
+    chooses_shortfall: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,21 +62,22 @@ class ElasticLayout(Layout):
     """Names, sizes and places of all variables, with what is given up.
 
     Attributes:
-        stood, lands: (P, L) places, see `ElasticRole`.
+        places_before, places_after: (P, L) places, see `ElasticRole`.
     """
 
-    stood: tuple[tuple[int, ...], ...] = ()
-    lands: tuple[tuple[int, ...], ...] = ()
+    places_before: tuple[tuple[int, ...], ...] = ()
+    places_after: tuple[tuple[int, ...], ...] = ()
     elastic = True
 
     @classmethod
     def around(cls, layout: Layout, task: Task) -> ElasticLayout:
         """Layout around another one's variables and the places in a task's schedule."""
         own = {field.name: getattr(layout, field.name) for field in fields(Layout)}
-        stood, lands = (
-            tuple(tuple(int(place) for place in row) for row in rows) for rows in task.steps
+        before, after = (
+            tuple(tuple(row) for row in places.tolist())
+            for places in (task.places_before, task.places_after)
         )
-        return cls(**own, stood=stood, lands=lands)
+        return cls(**own, places_before=before, places_after=after)
 
     @property
     def name(self) -> str:
@@ -85,7 +87,7 @@ class ElasticLayout(Layout):
     @property
     def displacements(self) -> int:
         """K, of the schedule."""
-        return max(map(max, self.lands))
+        return max(map(max, self.places_after))
 
     @property
     def own_numbers(self) -> int:
@@ -99,27 +101,27 @@ class ElasticLayout(Layout):
         return tuple(
             ElasticRole(
                 **{field.name: getattr(role, field.name) for field in fields(Role)},
-                stood=self.stood[role.phase],
-                lands=self.lands[role.phase],
-                knows=role.phase >= first,
-                gives_up=role.phase == first - 1 and role.last,
+                places_before=self.places_before[role.phase],
+                places_after=self.places_after[role.phase],
+                has_shortfall=role.phase >= first,
+                chooses_shortfall=role.phase == first - 1 and role.last,
             )
             for role in super().roles
         )
 
     def size(self, name: str, role: Role) -> int:
         """Scalars of the variable called `name` at a knot of that role."""
-        return len(COMPONENTS) if name in (GIVEN_UP, GIVE_UP) else super().size(name, role)
+        return len(COMPONENTS) if name in (SHORTFALL, NEXT_SHORTFALL) else super().size(name, role)
 
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""
         assert isinstance(role, ElasticRole)
-        return (*super().states(role), *((GIVEN_UP,) if role.knows else ()))
+        return (*super().states(role), *((SHORTFALL,) if role.has_shortfall else ()))
 
     def controls(self, role: Role) -> tuple[str, ...]:
         """Names of the controls over the interval that starts at a knot of that role."""
         assert isinstance(role, ElasticRole)
-        return (*super().controls(role), *((GIVE_UP,) if role.gives_up else ()))
+        return (*super().controls(role), *((NEXT_SHORTFALL,) if role.chooses_shortfall else ()))
 
 
 def elastic_sizes(layout: ElasticLayout) -> dict[str, int]:
@@ -137,14 +139,14 @@ def elastic_parameters(layout: ElasticLayout, task: Task) -> dict[str, Array]:
     `fixed`, `follows`: of each displacement what the jump type says, and 1 where the request does.
     """
     own = task.robot.file.task
-    wanted = np.array([getattr(task.wanted or task.jump, name) for name in COMPONENTS])
+    asked = np.array([getattr(task.requested or task.jump, name) for name in COMPONENTS])
     ranges = np.array([high - low for low, high in (getattr(own, name) for name in COMPONENTS)])
     rows = task.displacement or (None,) * layout.displacements
     given = [[getattr(row, name, None) for name in COMPONENTS] for row in rows]
     return {
-        "asked": wanted,
+        "asked": asked,
         "reference": np.array([getattr(task.jump, name) for name in COMPONENTS]),
-        "scale": np.sign(wanted) * np.where(ranges > 0, ranges, 1.0),
+        "scale": np.sign(asked) * np.where(ranges > 0, ranges, 1.0),
         "penalty": np.ones(1),
         "fixed": np.array([[value or 0.0 for value in row] for row in given]),
         "follows": np.array([[float(value is None) for value in row] for row in given]),
@@ -186,10 +188,10 @@ class ElasticStage(Stage):
     ) -> None:
         super().__init__(role, layout, model, dict(parameters))
         self._swings = ca.SX.sym("swings", layout.legs, _OWN)
-        if not role.knows:
+        if not role.has_shortfall:
             return
         of = self.parameters
-        done = of["asked"] - of["scale"] * self.symbols[GIVEN_UP]
+        done = of["asked"] - of["scale"] * self.symbols[SHORTFALL]
         self._now, self._then = self._poses(done), self._poses(of["reference"])
         self._turned = [now[0] - then[0] for now, then in zip(self._now, self._then, strict=True)]
         last = self._now[-1]
@@ -198,15 +200,15 @@ class ElasticStage(Stage):
         turn = ca.vertcat(ca.cos(half), 0, 0, ca.sin(half))
         of["goal_quat"] = quat_product(turn, of["goal_quat"])
         of["goal_velocity"] = _Rz(self._turned[-1]) @ of["goal_velocity"]
-        if any(role.stood):
-            self.standing_feet = self.lift(self._placed_in(self._now, role.stood))
-            self.standing_contacts = self.lift(self._contacts_in(self._now, role.stood))
+        if any(role.places_before):
+            self.standing_feet = self.lift(self._placed_in(self._now, role.places_before))
+            self.standing_contacts = self.lift(self._contacts_in(self._now, role.places_before))
             if layout.foot_coordinates > 3:
-                headings = ca.vertcat(*(self._now[place][0] for place in role.stood))
+                headings = ca.vertcat(*(self._now[place][0] for place in role.places_before))
                 self.standing_yaw = self.lift(of["phase0_yaw"] + headings)
         columns = [
             _Rz(self._turned[place])[:2, :2] @ self._given_towards[:, leg]
-            for leg, place in enumerate(role.lands)
+            for leg, place in enumerate(role.places_after)
         ]
         self.towards = self.lift(ca.horzcat(*columns))
 
@@ -218,13 +220,14 @@ class ElasticStage(Stage):
     @property
     def penalty(self) -> Any:
         """Cost of what is given up of the request."""
-        if not self.role.gives_up:
+        if not self.role.chooses_shortfall:
             return ca.SX(0)
-        return self.parameters["penalty"] * ca.sum1(self.symbols[GIVE_UP])
+        return self.parameters["penalty"] * ca.sum1(self.symbols[NEXT_SHORTFALL])
 
     def ground_moved(self, leg: int) -> Any:
         """m: how far what a flying foot clears is above what the parameters say."""
-        before, after = (self._raised(place[leg]) for place in (self.role.stood, self.role.lands))
+        places = self.role.places_before, self.role.places_after
+        before, after = (self._raised(each[leg]) for each in places)
         return before + (after - before) * self._swings[leg, 0]
 
     def edge_moved(self, leg: int) -> Any:
@@ -268,7 +271,7 @@ class ElasticStage(Stage):
         But for what does not change, as in `constraints.edge`.
         """
         t, legs = towards[:, leg], range(self.layout.legs)
-        a, b = self.role.stood[leg], self.role.lands[leg]
+        a, b = self.role.places_before[leg], self.role.places_after[leg]
         start, goal = (
             ca.mtimes(t.T, self._contacts_in(poses, (place,) * len(legs))[:2, :])
             for place in (a, b)

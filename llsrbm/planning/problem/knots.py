@@ -49,7 +49,7 @@ OVER_INTERVALS = ("duration", "contact_force", "rotation_rate", "momentum_mean_b
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class RowValues:
     """Rows of one kind at all knots that have them: n values, their bounds, and the knots' numbers.
 
     Attributes:
@@ -63,7 +63,7 @@ class Rows:
 
 
 # Task and variables -> rows of each constraint, and of the dynamics under "dynamics".
-Evaluate = Callable[[Task, Array], Mapping[Hashable, Rows]]
+Evaluate = Callable[[Task, Array], Mapping[Hashable, RowValues]]
 
 
 class StageValues:
@@ -185,7 +185,7 @@ class Knots:
         return self.layout.phase
 
     @cached_property
-    def rows(self) -> Mapping[Hashable, Rows]:
+    def rows(self) -> Mapping[Hashable, RowValues]:
         """Rows of each constraint, of the dynamics (`DYNAMICS`), and of other states' gaps."""
         assert self.evaluate is not None
         return self.evaluate(self.task, self.variables)

@@ -150,7 +150,7 @@ class Task:
         obstacle: what is jumped over, if anything.
         clears: whether trunk and knees are kept clear of it, or of the ground.
         body_margin: m that they keep.
-        wanted: the request of which `jump` does less; None: `jump` is what was asked.
+        requested: the request of which `jump` does less; None: `jump` is what was asked.
         displacement: what the jump type says of where each of several jumps leads; () nothing.
     """
 
@@ -178,7 +178,7 @@ class Task:
     agreed_bounds: Mapping[str, RowBounds] = field(default_factory=dict)
     obstacle: Obstacle | None = None
     clears: bool = False
-    wanted: Jump | None = None
+    requested: Jump | None = None
     displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
 
@@ -230,21 +230,21 @@ class Task:
         return time
 
     @cached_property
-    def _stood(self) -> NDArray[np.int64]:
+    def places_before(self) -> NDArray[np.int64]:
         """(P, L) the place in which a foot stands in a phase, or stood last."""
         stands, first = self.schedule.stands, self.schedule[0].place
-        stood = np.full(stands.shape, first, dtype=np.int64)
+        before = np.full(stands.shape, first, dtype=np.int64)
         for p, phase in enumerate(self.schedule):
-            stood[p] = np.where(stands[p], phase.place, stood[max(p - 1, 0)])
-        return stood
+            before[p] = np.where(stands[p], phase.place, before[max(p - 1, 0)])
+        return before
 
     @cached_property
-    def _lands(self) -> NDArray[np.int64]:
+    def places_after(self) -> NDArray[np.int64]:
         """(P, L) the place in which a foot stands in a phase, or stands next."""
-        stands, lands = self.schedule.stands, self._stood.copy()
+        stands, after = self.schedule.stands, self.places_before.copy()
         for p in reversed(range(len(stands) - 1)):
-            lands[p] = np.where(stands[p], self.schedule[p].place, lands[p + 1])
-        return lands
+            after[p] = np.where(stands[p], self.schedule[p].place, after[p + 1])
+        return after
 
     def footholds_before(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stood last."""
@@ -257,8 +257,9 @@ class Task:
     @cached_property
     def _footholds(self) -> tuple[list[Footholds], list[Footholds]]:
         """Where feet stood, and where they land, of each phase."""
-        stood, lands = ([self._each_in(row) for row in rows] for rows in (self._stood, self._lands))
-        return stood, lands
+        each = (self.places_before, self.places_after)
+        before, after = ([self._each_in(places) for places in rows] for rows in each)
+        return before, after
 
     def _each_in(self, places: NDArray[np.int64]) -> Footholds:
         """Each foot where it stands in its place (L,)."""
@@ -274,22 +275,19 @@ class Task:
             origin=rows[0].origin,
         )
 
-    @property
-    def steps(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """(P, L) places in which feet stand, or stood last; and stand, or stand next."""
-        return self._stood, self._lands
-
     def landing_place(self, phase: int, leg: int) -> int:
         """The place in which a foot stands in a phase, or stands next."""
-        return int(self._lands[phase, leg])
+        return int(self.places_after[phase, leg])
 
     def edges(self, phase: int, leg: int) -> Edges:
         """Edges that a foot swinging in a phase crosses, as all feet would."""
-        return self._edges[int(self._stood[phase, leg]), int(self._lands[phase, leg])]
+        return self._edges[int(self.places_before[phase, leg]), int(self.places_after[phase, leg])]
 
     @cached_property
     def _edges(self) -> dict[tuple[int, int], Edges]:
-        pairs = zip(self._stood.ravel().tolist(), self._lands.ravel().tolist(), strict=True)
+        pairs = zip(
+            self.places_before.ravel().tolist(), self.places_after.ravel().tolist(), strict=True
+        )
         return {(a, b): Edges.between(self.places[a], self.places[b]) for a, b in set(pairs)}
 
     def swing_share(self, phase: int, progress: Array) -> Array:

@@ -81,7 +81,7 @@ BROKEN = {
     "final_state": "the motion does not end as it should",
     "final_place": "the centre of mass ends beside its place",
     "arms_at_rest": "arms do not come to rest",
-    "given_up": "less is done than was asked for",
+    "shortfall": "less is done than was asked for",
     "dynamics_position": "the centre of mass jumps",
     "dynamics_velocity": "the centre of mass moves otherwise than forces say",
     "dynamics_attitude": "the trunk turns otherwise than its rate says",
@@ -192,7 +192,7 @@ def stops(knots: Knots) -> tuple[Stop, ...]:
     """Violated constraints, the worst first, with the limits that would have to be others.
 
     Of a solve that failed this is what it could not mend, which need not be what made it fail:
-    `llsrbm.planning.solve.reasons` finds that.
+    `llsrbm.planning.answer.reasons` finds that.
     """
     found = violations(knots)
     broken = sorted(

@@ -51,14 +51,14 @@ STANCE_INTERVALS, FLIGHT_INTERVALS = 6, 4
 
 SHORTEST = 0.02  # s that what is left of a phase may be shortened to
 SAME_TIME = 2e-3  # s; a knot of the plan that is nearer to the state's time is left out
-LONGER = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
+MAX_EXTENSION = 0.3  # s by which a phase may outlast its limit: a push upwards is longer in the air
 # From the sampled plan, which is near a solution where nothing has happened.
 FIRST = solvers.SolveOptions(
     mu=1e-4, iterations=25, tolerance=1e-3, push=0.02, within=solvers.WITHIN, acceptable=(5e-3, 4)
 )
 # Near solutions creep as well, SLIDER's for all iterations that they are given: stopped so, half of
 # them come 10 ms sooner, and as many land.
-CREEPING = (5e-3, 1)
+ACCEPTABLE = (5e-3, 1)
 # Rows of an answer may be off by this much, in their units of about 1: a millimetre, a per mille of
 # the weight. The next answer comes 20 ms later.
 GOOD_ENOUGH = 2e-3
@@ -66,11 +66,11 @@ GOOD_ENOUGH = 2e-3
 # last period, and of an older one. Without a push 40 ms make 0.6, right after one it is 1 and more.
 # Of 70 pushes at the edge of what is recovered from 66 are with 8, 62 with 4. Looser solves take
 # fewer iterations from there, and of their plans fewer land: 52 at ten times the tolerance.
-NEAR_AT_ONCE, NEAR = 8.0, 0.8
-AT_ONCE = 0.025  # s
+MAX_MISS_LAST, MAX_MISS_OLDER = 8.0, 0.8
+MAX_AGE_LAST = 0.025  # s
 # A guess that violates rows by more is of a robot that has fallen, or soon will have: guesses after
 # pushes that are recovered from violate them by 1 to 3, and Fatrop may not come back from far away.
-LOST = 8.0
+MAX_GUESS_MISS = 8.0
 # Quantities of the plan that a guess is made of.
 SAMPLED = (
     "com",
@@ -81,7 +81,7 @@ SAMPLED = (
     "foot_in_hip",
     "joint_position",
 )
-FRESH = 0.12  # s; the last solution is a start for so long
+MAX_AGE = 0.12  # s; the last solution is a start for so long
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,12 +160,14 @@ class Replanner:
         for start in ("last", "sampled"):
             if start == "sampled":
                 guess = pack(layout, self._sampled(task, layout, state))
-                if solver.miss(problem, guess) > LOST:
+                if solver.miss(problem, guess) > MAX_GUESS_MISS:
                     break
                 solution = solver.solve(problem, guess, options=FIRST)
-            elif last is not None and state.time - solved_at < FRESH:
-                too_far = NEAR_AT_ONCE if state.time - solved_at < AT_ONCE else NEAR
-                solution = solver.follow(problem, last, too_far, CREEPING)
+            elif last is not None and state.time - solved_at < MAX_AGE:
+                max_miss = (
+                    MAX_MISS_LAST if state.time - solved_at < MAX_AGE_LAST else MAX_MISS_OLDER
+                )
+                solution = solver.follow(problem, last, max_miss, ACCEPTABLE)
             if solution is None:
                 continue
             iterations += solution.iterations
@@ -205,7 +207,7 @@ class Replanner:
             landing = interpolated(plan.time, plan.com, float(plan.phase_start[state.phase + 1]))
             least = min(least, falling_time(state.com[2] - landing[2], state.com_velocity[2]))
         least = max(least, SHORTEST)
-        rest = self._rest(state.phase, (least, max(high - elapsed, least) + LONGER))
+        rest = self._rest(state.phase, (least, max(high - elapsed, least) + MAX_EXTENSION))
         R_base_world = Rotation.from_quat(state.base_quat, scalar_first=True).inv().as_matrix()
         index = task.free_arms
         arms = state.joints[index], state.joint_speeds[index]

@@ -1,1 +1,1 @@
-"""From a request to a plan: guesses, attempts, solvers kept in the cache."""
+"""From a task to an attempt: guesses, solvers kept in the cache, one solve."""

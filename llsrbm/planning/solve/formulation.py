@@ -17,10 +17,10 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
-from llsrbm.ocp.solvers import PATIENT, SolveOptions, Solver
+from llsrbm.ocp.solvers import FROM_GUESS, SolveOptions, Solver
 from llsrbm.planning.problem.constraints import AGREED
 from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, correction
-from llsrbm.planning.problem.horizon import (
+from llsrbm.planning.problem.jump_horizon import (
     evaluated_rows,
     make_problem,
     rolled_out,
@@ -31,8 +31,8 @@ from llsrbm.planning.problem.limits import limits_in
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import TOLERANCE, excess, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
-from llsrbm.planning.solve.progress import Watch
 from llsrbm.planning.solve.solver_cache import is_compiling
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
 
@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 # violations that the first leaves: a bound passed by a long step, or rows that Fatrop had scaled.
 FOLLOWS = 2
 # Where following creeps.
-CLOSE = replace(PATIENT, mu=1e-3, push=0.01, iterations=60)
+CLOSE = replace(FROM_GUESS, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
 # Such solves; each takes the error down by some nine tenths.
@@ -56,12 +56,12 @@ NEAR_ENOUGH = 0.2
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 40 to 60.
 # The larger push takes fewer; with flight times from 20 % below the guess's to 20 % above 19 of 20
 # are found.
-CAUTIOUS = replace(PATIENT, iterations=75, push=0.2)
+CAUTIOUS = replace(FROM_GUESS, iterations=75, push=0.2)
 
 
 def solve_options(task: Task) -> SolveOptions:
     """Start and end of a task's solve from a guess."""
-    return CAUTIOUS if task.jump.turns else PATIENT
+    return CAUTIOUS if task.jump.turns else FROM_GUESS
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ class Formulation:
         return self.layout.normalised(w)
 
     def solve(
-        self, task: Task, guess: Array, watch: Watch, options: SolveOptions = PATIENT
+        self, task: Task, guess: Array, watch: Watch, options: SolveOptions = FROM_GUESS
     ) -> Attempt:
         """Solve from a guess."""
         solve = partial(self.solver.solve, self.problem(task), guess, options, watch.read)
@@ -177,7 +177,7 @@ class Formulation:
             last = attempts[-1]
             task = corrected(last)
             # A flip that is solved from far again ends in another motion, with another correction.
-            options = CLOSE if task.jump.turns else PATIENT
+            options = CLOSE if task.jump.turns else FROM_GUESS
             attempts.append(self.solve(task, last.solution.variables, watch, options))
         last = attempts[-1]
         for _ in range(self.shifts):

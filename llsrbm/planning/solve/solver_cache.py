@@ -22,7 +22,7 @@ from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
 from llsrbm.ocp.solvers.base import MEMORY_OF_TEXT
 from llsrbm.ocp.transcription import Transcription
-from llsrbm.planning.problem.horizon import make_horizon
+from llsrbm.planning.problem.jump_horizon import make_horizon
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.solve.kept import give_back, make_room
 from llsrbm.robots.robot import Robot

@@ -16,8 +16,8 @@ from llsrbm.ocp.horizon import Problem, Solution
 from llsrbm.ocp.progress import interruptible, solving
 from llsrbm.ocp.solvers import Fatrop, SolveOptions, Solver
 from llsrbm.planning.solve.kept import kept
-from llsrbm.planning.solve.progress import Progress, Watch
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
+from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import Grid, Sizes
 from llsrbm.planning.whole_body.motion import Motion

@@ -15,7 +15,7 @@ from app.workers import spare_solvers
 from app.workers.tasks import PlanJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.ocp.compiled import asker
-from llsrbm.planning.solve.planner import Planner
+from llsrbm.planning.answer.planner import Planner
 from llsrbm.request.jump import Jump
 from tests.app.synthetic_plan import synthetic_plan
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from llsrbm.ocp import solvers
-from llsrbm.ocp.solvers import PATIENT, SolveOptions
-from llsrbm.ocp.solvers.base import TOO_FAR
+from llsrbm.ocp.solvers import FROM_GUESS, SolveOptions
+from llsrbm.ocp.solvers.base import MAX_FOLLOW_MISS
 from llsrbm.ocp.transcription import Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
 
@@ -85,7 +85,7 @@ def test_to_follow_is_quicker_and_ends_at_the_same_place(name):
 
 def test_what_is_too_far_is_not_begun():
     near = solver("fatrop").solve(problem(1.0), GUESS)
-    far = problem(1.0 + 1.01 * TOO_FAR)
+    far = problem(1.0 + 1.01 * MAX_FOLLOW_MISS)
     followed = solver("fatrop").follow(far, near)
     assert (followed.converged, followed.iterations) == (False, 0)
     np.testing.assert_array_equal(followed.variables, near.variables)
@@ -129,7 +129,7 @@ def test_from_text_it_is_the_same(name):
 def test_the_table_is_read_and_nothing_printed(capfd):
     """From the first solve of a solver on, with any options."""
     fatrop = solvers.by_name("fatrop")(Transcription(horizon()))
-    for options in (PATIENT, SolveOptions(mu=2e-3, iterations=50)):
+    for options in (FROM_GUESS, SolveOptions(mu=2e-3, iterations=50)):
         read = []
         assert fatrop.solve(problem(1.0), GUESS, options, read.append).converged
         assert "inf_pr" in "".join(read)

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.problem.horizon import constraints_of
+from llsrbm.planning.answer.planner import Planner, planner_of
+from llsrbm.planning.problem.jump_horizon import constraints_of
 from llsrbm.planning.problem.knots import Knots, unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.parameters import parameters as parameters_of
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.planner import Planner, planner_of
 from llsrbm.request.jump import Jump
 
 REQUESTS: dict[str, dict[str, Any]] = {

@@ -14,10 +14,10 @@ from llsrbm.wire.simulated_robot import SAG, TICK, Conditions, DirectLink, Simul
 
 GO2 = load_robot("go2")
 JOINTS = len(GO2.joint_names)
-AT_ONCE = Conditions(delay=0.0, delay_spread=0.0)
+NO_DELAY = Conditions(delay=0.0, delay_spread=0.0)
 
 
-def in_the_air(conditions=AT_ONCE, seed=0):
+def in_the_air(conditions=NO_DELAY, seed=0):
     q = GO2.posture.copy()
     q[2] += 5.0
     return SimulatedRobot(GO2, conditions, seed, posture=q)
@@ -42,7 +42,7 @@ def test_it_stands_still_until_commands_arrive(name):
 
 
 def test_a_hung_robot_stays_where_it_is_whatever_its_legs_do():
-    simulated, still = SimulatedRobot(GO2, AT_ONCE, hung=True), np.zeros(JOINTS)
+    simulated, still = SimulatedRobot(GO2, NO_DELAY, hung=True), np.zeros(JOINTS)
     base = simulated.world.state()[0][:7]
     for k in range(200):
         swing = GO2.posture[7:] + 0.3 * np.sin(0.05 * k)
@@ -122,7 +122,7 @@ def test_a_command_takes_its_time():
 
 
 def test_motors_brake_after_silence_and_follow_again():
-    simulated = SimulatedRobot(GO2, AT_ONCE)
+    simulated = SimulatedRobot(GO2, NO_DELAY)
     simulated.send(holding())
     ticks = 0
     while not simulated.braking:

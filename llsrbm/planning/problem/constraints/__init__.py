@@ -12,7 +12,6 @@ from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
 from llsrbm.planning.problem.constraints.drives import DRIVES
 from llsrbm.planning.problem.constraints.edge import Edge
-from llsrbm.planning.problem.constraints.given_up import GivenUp
 from llsrbm.planning.problem.constraints.knees import KneeHeight, LegsApart
 from llsrbm.planning.problem.constraints.motion import (
     MOMENTUM_BALANCE,
@@ -25,6 +24,7 @@ from llsrbm.planning.problem.constraints.motion import (
     UprightLanding,
 )
 from llsrbm.planning.problem.constraints.reach import FeetApart, Reach
+from llsrbm.planning.problem.constraints.shortfall import Shortfall
 from llsrbm.planning.problem.constraints.stops import JointStops
 from llsrbm.planning.problem.constraints.swing import Clearance, FootSpeed, PutDown
 from llsrbm.planning.problem.constraints.truth import LegsReach, Rolling, TrueTurn, TurnsOver
@@ -57,7 +57,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FinalState(),
     ArmsAtRest(),
     FinalPlace(),
-    GivenUp(),
+    Shortfall(),
     TrueTurn(),
     Rolling(),
     LegsReach(),

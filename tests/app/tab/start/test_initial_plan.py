@@ -19,9 +19,9 @@ from app.tab.start.initial_plan import (
 from app.workers.worker import LibraryPlanner
 from llsrbm.models import make_model
 from llsrbm.motion.plan import load_plan
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import satisfied, violations
-from llsrbm.planning.solve.planner import planner_of
 from llsrbm.robots import load_robot, names
 from tests.app.synthetic_plan import synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay

@@ -5,9 +5,9 @@ import pytest
 
 from llsrbm import models
 from llsrbm.mechanics import GRAVITY
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.parameters import parameter_places
-from llsrbm.planning.solve.planner import planner_for
 from llsrbm.request.jump import Jump
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, function, parameters, solved, variable
 

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.models import make_model
-from llsrbm.planning.problem.elastic import GIVEN_UP, ElasticLayout, ElasticStage
+from llsrbm.planning.problem.elastic import SHORTFALL, ElasticLayout, ElasticStage
 from llsrbm.planning.problem.foot_clearance import FAR, clearance_line, edge_ranges
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
@@ -48,7 +48,7 @@ def function(name, kind, knot):
     of = [stage.parameters[f"goal_{name}"] for name in ("position", "quat", "velocity")]
     standing = stage.standing_feet, stage.standing_contacts, stage.standing_yaw
     values = [stage.lift.resolve(x) for x in (*of, *standing, stage.towards, *moved, *edges)]
-    inputs = [stage.symbols[GIVEN_UP], stage.local, stage.own, *symbols.values()]
+    inputs = [stage.symbols[SHORTFALL], stage.local, stage.own, *symbols.values()]
     return ca.Function("stage", inputs, values)
 
 
@@ -78,15 +78,15 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
     numbers = parameters(layout, reference)
     scale = numbers["scale"]
     missing = [getattr(request, c) - getattr(done, c) for c in COMPONENTS]
-    given_up = np.divide(missing, scale, out=np.zeros(4), where=scale != 0)
+    shortfall = np.divide(missing, scale, out=np.zeros(4), where=scale != 0)
     for knot in range(layout.total):
         role = layout.roles[knot]
-        if not (role.knows and role.flies):
+        if not (role.has_shortfall and role.flies):
             continue
         phase = role.phase
         local = [numbers[f"phase{phase}_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
         own = numbers["own"].reshape(layout.total, -1)[knot]
-        found = function(name, kind, knot)(given_up, np.concatenate(local), own, *numbers.values())
+        found = function(name, kind, knot)(shortfall, np.concatenate(local), own, *numbers.values())
         position, quat, velocity, feet, contacts, yaw, _, *moved = (np.array(x) for x in found)
         assert position.ravel() == pytest.approx(task.goal_position, abs=1e-9)
         assert np.abs(quat.ravel() @ task.goal_quat) == pytest.approx(1, abs=1e-9)
@@ -112,17 +112,17 @@ def test_the_edge_moves_with_the_jump():
     reference, task = make_task(request, robot), make_task(less, robot)
     numbers = parameters(layout, reference)
     scale = np.where(numbers["scale"] == 0, 1, numbers["scale"])
-    given_up = np.array([getattr(request, c) - getattr(less, c) for c in COMPONENTS]) / scale
+    shortfall = np.array([getattr(request, c) - getattr(less, c) for c in COMPONENTS]) / scale
     bounds = [edge_ranges(each, layout)[1] for each in (reference, task)]
     compared = 0
     for knot in range(layout.total):
         role = layout.roles[knot]
-        if not (role.knows and role.flies):
+        if not (role.has_shortfall and role.flies):
             continue
         local = [numbers[f"phase1_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
         own = numbers["own"].reshape(layout.total, -1)[knot]
         found = function("go2", "together", knot)(
-            given_up, np.concatenate(local), own, *numbers.values()
+            shortfall, np.concatenate(local), own, *numbers.values()
         )
         moved = np.ravel(found[-layout.legs :])
         for leg in role.flying:

@@ -13,7 +13,7 @@ import pytest
 from llsrbm.models import make_model
 from llsrbm.planning.problem.constraints.edge import Edge
 from llsrbm.planning.problem.costs import COSTS
-from llsrbm.planning.problem.horizon import constraints_of
+from llsrbm.planning.problem.jump_horizon import constraints_of
 from llsrbm.planning.problem.layout import SHIFT, Layout
 from llsrbm.planning.problem.parameters import (
     OWN,

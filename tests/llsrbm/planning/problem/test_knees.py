@@ -9,9 +9,9 @@ import pytest
 
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.constraints.knees import KneeHeight
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.planner import planner_for
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes

@@ -9,12 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.constraints import CONSTRAINTS
-from llsrbm.planning.problem.horizon import row_bounds
+from llsrbm.planning.problem.jump_horizon import row_bounds
 from llsrbm.planning.problem.placement import limits_of, make_task
 from llsrbm.planning.problem.violations import TOLERANCE, violations
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.planner import planner_for
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.constraints.stops import RESERVE, JointStops
-from llsrbm.planning.solve.planner import planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 

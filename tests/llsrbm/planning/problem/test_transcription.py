@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from llsrbm import models
-from llsrbm.planning.problem.horizon import constraints_of, row_bounds
+from llsrbm.planning.problem.jump_horizon import constraints_of, row_bounds
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import Jump

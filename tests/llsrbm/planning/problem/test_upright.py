@@ -21,7 +21,7 @@ from llsrbm.planning.problem.constraints.motion import (
     UprightLanding,
 )
 from llsrbm.planning.problem.constraints.swing import BESIDE, PutDown
-from llsrbm.planning.problem.knots import Rows
+from llsrbm.planning.problem.knots import RowValues
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.stage import Stage
@@ -101,7 +101,7 @@ def test_the_row_is_within_its_bounds_up_to_the_largest_lean(tilt):
 def test_the_violation_is_by_how_much_it_leans_beyond(tilt):
     constraint, time = UprightLanding(), np.arange(9.0)
     lower = np.full(3, np.cos(np.radians(30)))
-    rows = Rows(np.cos([0.0, tilt, 0.1]), lower, np.full(3, np.inf), np.array([5, 6, 7]))
+    rows = RowValues(np.cos([0.0, tilt, 0.1]), lower, np.full(3, np.inf), np.array([5, 6, 7]))
     found = constraint.violation(SimpleNamespace(time=time, task=None, rows={constraint: rows}))
     expected = np.zeros(9)
     expected[6] = max(tilt - np.radians(30), 0.0)

@@ -63,7 +63,7 @@ def test_names_and_phases(knots):
     dynamics = ["position", "velocity", "attitude", "momentum"]
     dynamics += ["feet", "feet_velocity", "force", "duration"]
     # There is nothing in the way that the body would have to clear, and nothing is given up.
-    unchecked = ("body_clearance", "given_up")
+    unchecked = ("body_clearance", "shortfall")
     constraints = [c.name for c in CONSTRAINTS if c.name not in unchecked]
     assert list(found) == [*(f"dynamics_{d}" for d in dynamics), *constraints]
     for violation in found.values():

@@ -6,14 +6,14 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm import models
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.formulation import solve_options
 from llsrbm.planning.solve.guess import FLIP_FLIGHT, analytic_guess
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.planner import planner_of
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.any_schedule import task_of

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.models import make_model
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.answer.planner import BY_NEARER, FOLLOWED, NEARBY, planner_of
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve import guess_table
 from llsrbm.planning.solve.guess_table import (
@@ -22,7 +23,6 @@ from llsrbm.planning.solve.guess_table import (
     read_table,
     write_table,
 )
-from llsrbm.planning.solve.planner import BY_NEARER, FOLLOWED, NEARBY, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot

@@ -13,7 +13,7 @@ import llsrbm
 from llsrbm.models import make_model
 from llsrbm.ocp import solvers
 from llsrbm.ocp.compiled import is_whole
-from llsrbm.planning.problem.horizon import make_horizon
+from llsrbm.planning.problem.jump_horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling

@@ -8,7 +8,7 @@ import pytest
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.replan.replanner import Replanner
 from llsrbm.planning.replan.under_way import interpolated
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.elsewhere import Elsewhere, other_side

@@ -8,7 +8,7 @@ import numpy as np
 
 from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.elastic import (
-    GIVE_UP,
+    NEXT_SHORTFALL,
     ElasticLayout,
     ElasticRole,
     elastic_parameters,
@@ -21,15 +21,15 @@ from llsrbm.planning.problem.task import Task
 ROOM = 2e-3  # of a range beyond all of a component: an interior-point solver needs an interior
 
 
-class GivenUp(Constraint):
+class Shortfall(Constraint):
     """0 <= s <= all of it, of each component of the request; elastic problems alone."""
 
-    name = "given_up"
+    name = "shortfall"
     unit = "1"
 
     def applies(self, role: Role) -> bool:
         """Where it is chosen."""
-        return isinstance(role, ElasticRole) and role.gives_up
+        return isinstance(role, ElasticRole) and role.chooses_shortfall
 
     def checked(self, task: Task) -> bool:
         """Never: a plan that was found does all of its own jump."""
@@ -37,7 +37,7 @@ class GivenUp(Constraint):
 
     def rows(self, stage: Stage) -> Any:
         """(4, 1) shares of the ranges."""
-        return stage.symbols[GIVE_UP]
+        return stage.symbols[NEXT_SHORTFALL]
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At most down to nothing."""
@@ -49,6 +49,6 @@ class GivenUp(Constraint):
 def most(layout: ElasticLayout, task: Task) -> Array:
     """(4,) all that can be given up of a request, in shares of the ranges."""
     numbers = elastic_parameters(layout, task)
-    wanted, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
-    top: Array = np.divide(wanted, scale, out=np.zeros_like(wanted), where=scale > 0)
+    asked, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
+    top: Array = np.divide(asked, scale, out=np.zeros_like(asked), where=scale > 0)
     return top

@@ -17,7 +17,7 @@ from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
 from llsrbm.planning.problem.elastic import ElasticStage
-from llsrbm.planning.problem.knots import DYNAMICS, Rows
+from llsrbm.planning.problem.knots import DYNAMICS, RowValues
 from llsrbm.planning.problem.layout import BODY, BODY_PLACES, Layout
 from llsrbm.planning.problem.parameters import (
     OWN,
@@ -180,7 +180,7 @@ def _rows(layout: Layout, task: Task) -> Iterator[tuple[Hashable, int, Array, Ar
 
 def evaluated_rows(
     layout: Layout, g: Callable[[Array, Array], Array], task: Task, w: Array
-) -> dict[Hashable, Rows]:
+) -> dict[Hashable, RowValues]:
     """Values of all rows of g under a task, as `Knots.rows` has them.
 
     Args:
@@ -192,11 +192,12 @@ def evaluated_rows(
     places, knot, low, high = _listed(layout, task)
     values = g(w, np.concatenate([*parameters(layout, task).values()]))
     return {
-        key: Rows(values[mine], low[mine], high[mine], knot[mine]) for key, mine in places.items()
+        key: RowValues(values[mine], low[mine], high[mine], knot[mine])
+        for key, mine in places.items()
     }
 
 
-def rolled_out(layout: Layout, evaluate: Callable[[Array], Rows], w: Array) -> Array:
+def rolled_out(layout: Layout, evaluate: Callable[[Array], RowValues], w: Array) -> Array:
     """The same forces and rates, with r, H and L integrated from the start.
 
     A solver leaves defects of its tolerance; so they all show at the end, against the target.

@@ -17,14 +17,14 @@ from llsrbm.motion.sampling import resample
 from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.ocp import progress, solvers
 from llsrbm.ocp.horizon import Solution
+from llsrbm.planning.answer.nearby import from_nearby
+from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
 from llsrbm.planning.solve import kept, nearest, solver_cache
-from llsrbm.planning.solve.attempts import from_nearby
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.jump_layout import INTERVALS
-from llsrbm.planning.solve.planner import Planner, planner_for
-from llsrbm.planning.solve.progress import PlanningProgress, Watch
+from llsrbm.planning.solve.watch import PlanningProgress, Watch
 from llsrbm.planning.whole_body.refine import refined
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -97,7 +97,7 @@ class Reluctant:
         self.solver, self.failures, self.calls, self.seconds = solver, failures, [], []
         self.name, self.sizes, self.function = solver.name, solver.sizes, solver.function
 
-    def solve(self, problem, guess, options=solvers.PATIENT, read=None):
+    def solve(self, problem, guess, options=solvers.FROM_GUESS, read=None):
         self.calls.append(guess)
         return self._spoilt(self.solver.solve(problem, guess, options, read), guess)
 
@@ -159,13 +159,13 @@ def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
 
 def test_the_nearest_that_was_found_first_is_not_dropped_for_a_further_one(monkeypatch):
     asked, little, much = (Jump(twist=twist) for twist in (1.0, 0.9, 0.4))
-    task = replace(make_task(asked, ROBOT), wanted=asked)
+    task = replace(make_task(asked, ROBOT), requested=asked)
     way, elastic = SimpleNamespace(), attempt_of(*LITTLE, asked)
     way.solve, way.penalty, way.reconciled = lambda *_: elastic, 1.0, lambda attempt, _: attempt
     rounds = iter([attempt_of(True, 0.0, little), attempt_of(True, 0.0, much)])
     monkeypatch.setattr(nearest, "replace", lambda *_, **__: way)
     monkeypatch.setattr(nearest, "starts", lambda *_: [(None, None, 1.0)])
-    monkeypatch.setattr(nearest, "_given_up", lambda *_: False)
+    monkeypatch.setattr(nearest, "_falls_short", lambda *_: False)
     monkeypatch.setattr(nearest, "_in_whole_steps", lambda *_: next(rounds))
     monkeypatch.setattr(nearest, "_dearer", lambda *_: [(way, attempt_of(*LITTLE))])
     assert nearest.find_nearest(way, task, Watch()).plain.task.jump == little

@@ -14,7 +14,7 @@ from llsrbm.planning.solve.formulation import (
     Formulation,
     best_of,
 )
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 
 # Between solutions that violate no row by more than this 94 % of Go2's jumps (85 % of SLIDER's) are
 # solved by following, in 4 iterations at the median; of the others every second one, in more.

@@ -22,9 +22,14 @@ from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.edge import Edge
-from llsrbm.planning.problem.constraints.given_up import most
-from llsrbm.planning.problem.elastic import GIVE_UP, GIVEN_UP, ElasticLayout, elastic_parameters
-from llsrbm.planning.problem.horizon import rows_within
+from llsrbm.planning.problem.constraints.shortfall import most
+from llsrbm.planning.problem.elastic import (
+    NEXT_SHORTFALL,
+    SHORTFALL,
+    ElasticLayout,
+    elastic_parameters,
+)
+from llsrbm.planning.problem.jump_horizon import rows_within
 from llsrbm.planning.problem.parameters import parameter_places
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
@@ -35,8 +40,8 @@ from llsrbm.planning.solve.formulation import (
     Formulation,
     scaled,
 )
-from llsrbm.planning.solve.progress import Watch
 from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import COMPONENTS, Jump
 
 Array = NDArray[np.float64]
@@ -59,10 +64,10 @@ FURTHER = (0.0, 0.015, 0.05)
 # Of the ranges: where that much is given up another start may lead to less. From a guess without it
 # seven of ANYmal's corners, of twists of 180 degrees, keep up to 43 degrees more, and none less.
 FAR_OFF = 0.15
-FIRST = replace(solvers.PATIENT, mu=0.1, iterations=100)
+FIRST = replace(solvers.FROM_GUESS, mu=0.1, iterations=100)
 # From where the plain problem was given up: 21 to 36 iterations, from the first guess 39 to 74.
-BEGUN = replace(solvers.PATIENT, iterations=50)
-DEARER = replace(solvers.PATIENT, iterations=80)  # 28 to 63 are needed
+BEGUN = replace(solvers.FROM_GUESS, iterations=50)
+DEARER = replace(solvers.FROM_GUESS, iterations=80)  # 28 to 63 are needed
 # With the same penalty, and what the whole body says: 14 to 49, where DEARER takes 23 to 61.
 AGAIN = replace(DEARER, mu=1e-3, push=1e-3)
 
@@ -113,8 +118,8 @@ class ElasticFormulation(Formulation):
     def done(self, task: Task, variables: Array) -> Jump:
         """The jump that a solution does."""
         numbers = elastic_parameters(self._layout, task)
-        given_up = np.maximum(variables[self._given_up[-1]], 0.0)
-        reached = numbers["asked"] - numbers["scale"] * given_up
+        shortfall = np.maximum(variables[self._shortfall[-1]], 0.0)
+        reached = numbers["asked"] - numbers["scale"] * shortfall
         return replace(task.jump, **dict(zip(COMPONENTS, reached.tolist(), strict=True)))
 
     def to_elastic(self, task: Task, variables: Array, jump: Jump) -> Array:
@@ -122,10 +127,10 @@ class ElasticFormulation(Formulation):
         numbers = elastic_parameters(self._layout, task)
         reached = np.array([getattr(jump, name) for name in COMPONENTS])
         less, scale = numbers["asked"] - reached, numbers["scale"]
-        given_up = np.divide(less, scale, out=np.zeros_like(less), where=scale != 0)
+        shortfall = np.divide(less, scale, out=np.zeros_like(less), where=scale != 0)
         out = np.zeros(self.layout.size_total)
         out[self._variables] = variables
-        out[self._given_up] = np.clip(given_up, 0.0, most(self._layout, task))
+        out[self._shortfall] = np.clip(shortfall, 0.0, most(self._layout, task))
         return out
 
     def to_plain(self, task: Task, solution: Iterate) -> Iterate:
@@ -149,9 +154,9 @@ class ElasticFormulation(Formulation):
         return np.concatenate([np.arange(mine.start, mine.stop) for mine, _ in pairs])
 
     @cached_property
-    def _given_up(self) -> NDArray[np.int64]:
+    def _shortfall(self) -> NDArray[np.int64]:
         """(n, 4) places of what is given up; the first of its choice, the others of the states."""
-        return np.vstack([self.layout.places(GIVE_UP), self.layout.places(GIVEN_UP)])
+        return np.vstack([self.layout.places(NEXT_SHORTFALL), self.layout.places(SHORTFALL)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,7 +202,7 @@ def find_nearest(
     if distance(task, elastic.task.jump) > FAR_OFF:
         elastic = _from_other_end(way, task, elastic, watch)
     first = None
-    if not _given_up(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
+    if not _falls_short(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
         first = _in_whole_steps(way, elastic, watch)
         if first is not None and first.task.jump == task.jump:
             return Nearest(first, elastic, way)
@@ -268,14 +273,14 @@ def _in_whole_steps(
     Of some steps less where the whole body objects to it as it is.
     """
     plain, whole = formulation.plain, attempt_at_request(formulation, elastic)
-    if whole.task.jump == elastic.task.wanted and whole.solved and stands(whole.task):
+    if whole.task.jump == elastic.task.requested and whole.solved and stands(whole.task):
         return whole
     start = formulation.to_plain(elastic.task, elastic.solution)
     minded = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
     further = STEP_FURTHER if all_right else FURTHER
     for jump in _rounded(elastic.task, further) if elastic.converged else ():
-        task = replace(retargeted(minded, jump), wanted=None)
+        task = replace(retargeted(minded, jump), requested=None)
         attempt = plain.reconciled(plain.again(task, start, watch), watch)
         if attempt.solved and stands(attempt.task):
             return attempt
@@ -285,20 +290,20 @@ def _in_whole_steps(
 def plain_attempt(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     """The plain problem's solution that an elastic one holds."""
     plain = vars(formulation.to_plain(elastic.task, elastic.solution))
-    task, solution = replace(elastic.task, wanted=None), replace(elastic.solution, **plain)
+    task, solution = replace(elastic.task, requested=None), replace(elastic.solution, **plain)
     return replace(elastic, task=task, solution=solution)
 
 
 def attempt_at_request(formulation: ElasticFormulation, elastic: Attempt) -> Attempt:
     """An elastic solution as one of what was asked: it is that where nothing is given up."""
-    wanted, plain = elastic.task.wanted, plain_attempt(formulation, elastic)
-    if wanted is None or _given_up(elastic):
+    requested, plain = elastic.task.requested, plain_attempt(formulation, elastic)
+    if requested is None or _falls_short(elastic):
         return plain
-    task = replace(retargeted(elastic.task, wanted), wanted=None)
+    task = replace(retargeted(elastic.task, requested), requested=None)
     return formulation.plain.judged(task, plain.solution)
 
 
-def _given_up(elastic: Attempt) -> bool:
+def _falls_short(elastic: Attempt) -> bool:
     """Whether the jump of an elastic problem's solution does less than was asked."""
     return distance(elastic.task, elastic.task.jump) > NOTHING
 
@@ -314,9 +319,9 @@ def stands(task: Task) -> bool:
 
 def distance(task: Task, jump: Jump) -> float:
     """Distance of a jump from a task's request: components as shares of the robot's ranges."""
-    wanted, own = task.wanted or task.jump, task.robot.file.task
+    requested, own = task.requested or task.jump, task.robot.file.task
     shares = (
-        (getattr(wanted, name) - getattr(jump, name)) / ((high - low) or 1.0)
+        (getattr(requested, name) - getattr(jump, name)) / ((high - low) or 1.0)
         for name, (low, high) in ((name, getattr(own, name)) for name in COMPONENTS)
     )
     return math.hypot(*shares)
@@ -328,20 +333,20 @@ def _rounded(task: Task, furthers: Iterable[float]) -> Iterator[Jump]:
     A component counts as given up where it is off by more than half a step. `furthers`: shares of
     the ranges by which less is asked for.
     """
-    wanted, reached = task.wanted, task.jump
-    assert wanted is not None
+    requested, reached = task.requested, task.jump
+    assert requested is not None
     if distance(task, reached) <= NEXT_TO_NOTHING:
-        yield wanted
+        yield requested
     for further in furthers if distance(task, reached) > NOTHING else ():
         steps = {}
         for name, step in STEPS.items():
-            whole, value = getattr(wanted, name), getattr(reached, name)
+            whole, value = getattr(requested, name), getattr(reached, name)
             steps[name] = whole
             if abs(whole - value) > step / 2:
                 low, high = getattr(task.robot.file.task, name)
                 left = max(abs(value) - further * (high - low), 0.0)
                 steps[name] = math.copysign(math.floor(left / step + 1e-6) * step, whole)
-        yield replace(wanted, **steps)
+        yield replace(requested, **steps)
 
 
 def retargeted(task: Task, jump: Jump) -> Task:
@@ -355,5 +360,5 @@ def retargeted(task: Task, jump: Jump) -> Task:
         body_margin=task.body_margin,
         correction=task.correction,
         agreed_bounds=task.agreed_bounds,
-        wanted=task.wanted or task.jump,
+        requested=task.requested or task.jump,
     )

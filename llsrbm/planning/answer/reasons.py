@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Plan
+from llsrbm.planning.answer.nearest import DEARER, NOTHING, Nearest, distance
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.problem.horizon import row_bounds, row_places
+from llsrbm.planning.problem.jump_horizon import row_bounds, row_places
 from llsrbm.planning.problem.limits import Limit, limits_in
 from llsrbm.planning.problem.placement import describe
 from llsrbm.planning.problem.task import Task
@@ -31,8 +32,7 @@ from llsrbm.planning.problem.violations import (
     with_demand,
 )
 from llsrbm.planning.solve.formulation import Attempt
-from llsrbm.planning.solve.nearest import DEARER, NOTHING, Nearest, distance
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import changes
 
 Array = NDArray[np.float64]

@@ -7,6 +7,7 @@ import pytest
 
 from llsrbm import models
 from llsrbm.errors import InputError, NotConverged
+from llsrbm.planning.answer.planner import Planner, planner_for, planner_of
 from llsrbm.planning.problem.constraints import AGREED
 from llsrbm.planning.problem.constraints.drives import (
     SPEED_ALLOWANCE,
@@ -14,7 +15,6 @@ from llsrbm.planning.problem.constraints.drives import (
 )
 from llsrbm.planning.problem.violations import TOLERANCE
 from llsrbm.planning.solve.formulation import Formulation
-from llsrbm.planning.solve.planner import Planner, planner_for, planner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions

@@ -1,7 +1,7 @@
 """An answer for a slider that moves: the first jump that is found near a request, as it is.
 
 The nearest one, in whole steps and with its reasons, is looked for once the slider rests
-(`solve.nearest`), which takes twice the time or more.
+(`answer.nearest`), which takes twice the time or more.
 """
 
 from __future__ import annotations
@@ -13,10 +13,8 @@ from numpy.typing import NDArray
 
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
-from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.attempts import NEARBY_MISS
-from llsrbm.planning.solve.formulation import Attempt, Formulation
-from llsrbm.planning.solve.nearest import (
+from llsrbm.planning.answer.nearby import NEARBY_MISS
+from llsrbm.planning.answer.nearest import (
     AGAIN,
     ElasticFormulation,
     Nearest,
@@ -26,13 +24,15 @@ from llsrbm.planning.solve.nearest import (
     stands,
     starts,
 )
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.formulation import Attempt, Formulation
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 
 Array = NDArray[np.float64]
 
-# From a plan nearby, as `attempts.NEARBY_MISS` has it: 9 to 25 iterations.
-FROM_NEARBY = replace(solvers.PATIENT, mu=1e-4, push=1e-3, iterations=50)
+# From a plan nearby, as `nearby.NEARBY_MISS` has it: 9 to 25 iterations.
+FROM_NEARBY = replace(solvers.FROM_GUESS, mu=1e-4, push=1e-3, iterations=50)
 # Times that the whole body is asked about a whole turn: where its feet roll to, and with them its
 # legs' momentum, depends on the answer before.
 MINDED_TURNING = 3

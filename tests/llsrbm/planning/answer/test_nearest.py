@@ -9,13 +9,13 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import Cancelled, InputError, JointNeed, NotConverged, Stop
-from llsrbm.ocp.solvers import PATIENT
+from llsrbm.ocp.solvers import FROM_GUESS
+from llsrbm.planning.answer.nearest import STEPS, distance, find_nearest
+from llsrbm.planning.answer.planner import BY_NEARER, planner_for, planner_of
+from llsrbm.planning.answer.reasons import gains, sentence
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE
-from llsrbm.planning.solve.nearest import STEPS, distance, find_nearest
-from llsrbm.planning.solve.planner import BY_NEARER, planner_for, planner_of
-from llsrbm.planning.solve.progress import Watch
-from llsrbm.planning.solve.reasons import gains, sentence
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import COMPONENTS, Jump, changes
 from llsrbm.robots import load_robot
 
@@ -152,7 +152,7 @@ def test_nothing_changes_sign_or_grows():
 def test_by_way_of_nearer_jumps_all_of_it_may_be_found(monkeypatch):
     """A twist with everything else, to which no guess leads at once."""
     jump = Jump(twist=-2.0515, forward=0.2595, lateral=0.0304, height=0.0872)
-    monkeypatch.setattr("llsrbm.planning.solve.planner.HURRIED", replace(PATIENT, iterations=5))
+    monkeypatch.setattr("llsrbm.planning.answer.planner.HURRIED", replace(FROM_GUESS, iterations=5))
     said = []
     plan = llsrbm.plan(jump, guesses=False, progress=said.append)
     assert plan.jump == jump

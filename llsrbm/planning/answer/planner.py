@@ -16,12 +16,15 @@ from llsrbm.motion.solve_report import NEAREST
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import interruptible, when_idle
+from llsrbm.planning.answer.first_feasible import first_feasible, with_bounds_nearby
+from llsrbm.planning.answer.nearby import from_nearby, usable_start
+from llsrbm.planning.answer.nearest import ElasticFormulation, Nearest, find_nearest
+from llsrbm.planning.answer.reasons import refusal, unexplained
 from llsrbm.planning.problem.elastic import ElasticLayout
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.attempts import from_nearby, usable_start
 from llsrbm.planning.solve.formulation import (
     Array,
     Attempt,
@@ -30,13 +33,10 @@ from llsrbm.planning.solve.formulation import (
     solve_options,
 )
 from llsrbm.planning.solve.guess_table import Guesses
-from llsrbm.planning.solve.hurried import first_feasible, with_bounds_nearby
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.kept import kept
-from llsrbm.planning.solve.nearest import ElasticFormulation, Nearest, find_nearest
-from llsrbm.planning.solve.progress import Progress, Watch
-from llsrbm.planning.solve.reasons import refusal, unexplained
 from llsrbm.planning.solve.solver_cache import cached_solver, is_built, of_jumps
+from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
@@ -49,7 +49,7 @@ BY_NEARER = "by way of nearer jumps"
 NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
 # From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
 # ten are planned by then, of other robots' 98 in 100.
-HURRIED = replace(solvers.PATIENT, iterations=35)
+HURRIED = replace(solvers.FROM_GUESS, iterations=35)
 
 
 class Planner:
@@ -252,7 +252,7 @@ class Planner:
         return replace(self.formulation.judged(task, there), label=NOT_TRIED)
 
     def _has_nearest(self, task: Task) -> bool:
-        """Whether less of a request can be asked for, see `solve.nearest`."""
+        """Whether less of a request can be asked for, see `answer.nearest`."""
         first = self.formulation.solver.name == solvers.names()[0]
         return first and not task.jump.turns and all(self.layout.stands[0])
 

@@ -8,12 +8,12 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import NotConverged
+from llsrbm.planning.answer.first_feasible import first_feasible, with_bounds_nearby
+from llsrbm.planning.answer.nearest import distance
+from llsrbm.planning.answer.planner import planner_for
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve.hurried import first_feasible, with_bounds_nearby
-from llsrbm.planning.solve.nearest import distance
-from llsrbm.planning.solve.planner import planner_for
-from llsrbm.planning.solve.progress import Watch
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 
