@@ -139,14 +139,14 @@ def elastic_parameters(layout: ElasticLayout, task: Task) -> dict[str, Array]:
     `fixed`, `follows`: of each displacement what the jump type says, and 1 where the request does.
     """
     own = task.robot.file.task
-    asked = np.array([getattr(task.requested or task.jump, name) for name in COMPONENTS])
+    whole = np.array([getattr(task.requested or task.jump, name) for name in COMPONENTS])
     ranges = np.array([high - low for low, high in (getattr(own, name) for name in COMPONENTS)])
     rows = task.displacement or (None,) * layout.displacements
     given = [[getattr(row, name, None) for name in COMPONENTS] for row in rows]
     return {
-        "asked": asked,
+        "asked": whole,
         "reference": np.array([getattr(task.jump, name) for name in COMPONENTS]),
-        "scale": np.sign(asked) * np.where(ranges > 0, ranges, 1.0),
+        "scale": np.sign(whole) * np.where(ranges > 0, ranges, 1.0),
         "penalty": np.ones(1),
         "fixed": np.array([[value or 0.0 for value in row] for row in given]),
         "follows": np.array([[float(value is None) for value in row] for row in given]),

@@ -49,6 +49,6 @@ class Shortfall(Constraint):
 def most(layout: ElasticLayout, task: Task) -> Array:
     """(4,) all that can be given up of a request, in shares of the ranges."""
     numbers = elastic_parameters(layout, task)
-    asked, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
-    top: Array = np.divide(asked, scale, out=np.zeros_like(asked), where=scale > 0)
+    whole, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
+    top: Array = np.divide(whole, scale, out=np.zeros_like(whole), where=scale > 0)
     return top
