@@ -2,8 +2,8 @@
 
 An event is a member of `Act` where nothing is carried, the press of a button; else a value, known
 by its type: what controls or the page say (a `Jump`, a `Scenario`, `PlayerMoved`), or what has been
-computed (`Reported`, by its queue, and then by its task). `update(state, event)` makes of it the
-next state and effects; nothing there waits, reads a control, or knows of a browser.
+computed (`Reported`, known by the type of its task). `update(state, event)` makes of it the next
+state and effects; nothing there waits, reads a control, or knows of a browser.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ from app.tab.effects import (
     Submit,
 )
 from app.tab.state import TabState
-from app.workers.tasks import Task
+from app.workers.reports import Partial
+from app.workers.tasks import PlanJump, Task
 
 Step = tuple[TabState, tuple[Effect, ...]]
 """A tab's next state, and what has to be done outside of it."""
@@ -37,7 +38,7 @@ Reader = Callable[[TabState, Panel], tuple[Any, list[str]]]
 
 SLOW_MOTION = 0.25  # seconds of motion a second; one of the speeds that the page offers
 
-_handlers: dict[Any, Callable[..., Step | TabState]] = {}
+_handlers: dict[Act | type, Callable[[TabState, Any], Step | TabState]] = {}
 _readers: dict[Act, Reader] = {}
 _enabled: dict[Act, Condition] = {}
 _visible: dict[Act, Condition] = {}
@@ -52,20 +53,22 @@ class Corrected:
 
 
 def on(
-    *keys: Any, enabled: Condition | None = None, visible: Condition | None = None
+    *keys: Act | type, enabled: Condition | None = None, visible: Condition | None = None
 ) -> Callable[[Handler], Handler]:
-    """Have a function take events: `f(state)` those of an `Act`, else `f(state, event)`.
+    """Have `f(state, event)` take events of a type, reports on tasks of one, or `f(state)` an act.
 
-    Keys are acts, types of values, queues; or types of tasks: `f(state, report, task)`. The button
-    of an act can be pressed if `enabled`, and is seen if `visible`; None: always.
+    The button of an act can be pressed if `enabled`, and is seen if `visible`; None: always.
     """
 
     def register(handler: Handler) -> Handler:
         for key in keys:
             assert key not in _handlers, f"{key} is taken twice"
-            _handlers[key] = handler
+            if not isinstance(key, Act):
+                _handlers[key] = handler
+                continue
+            _handlers[key] = lambda state, _: handler(state)
             for conditions, condition in ((_enabled, enabled), (_visible, visible)):
-                if condition is not None and isinstance(key, Act):
+                if condition is not None:
                     conditions[key] = condition
         return handler
 
@@ -96,18 +99,27 @@ def update(state: TabState, event: Any) -> Step:
 
 
 def _updated(state: TabState, event: Any) -> Step:
-    if isinstance(event, Act):
-        return _step(_handlers[event](state))
-    if isinstance(event, Reported):
-        return _step(_handlers[event.queue](state, event))
     if isinstance(event, Corrected):
         return also(update(state, event.event), Notify("Corrected", "; ".join(event.complaints)))
-    return _step(_handlers[type(event)](state, event))
+    key = event if isinstance(event, Act) else type(event)
+    if isinstance(event, Reported):
+        if event.job.queue is Queue.MOTION and _is_stale(state, event):
+            return state, ()
+        key = type(event.job.task)
+        if event.ticket == state.work.newest and not isinstance(event.report, Partial):
+            state = state.with_work(awaited=None)
+    return _step(_handlers[key](state, event))
 
 
-def outcome(state: TabState, report: Any, task: Task) -> Step:
-    """A tab's state after a report on a task on its motion."""
-    return _step(_handlers[type(task)](state, report, task))
+def _is_stale(state: TabState, event: Reported) -> bool:
+    """Whether a report on the tab's motion does not count any more: it is not of the newest job.
+
+    While a slider moves, the plan for an older request is worth showing.
+    """
+    work = state.work
+    if event.ticket != work.newest:
+        return event.ticket <= work.dropped or not isinstance(event.job.task, PlanJump)
+    return event.ticket <= work.dropped or work.awaited is None
 
 
 def is_enabled(act: Act, state: TabState) -> bool:

@@ -40,15 +40,6 @@ class Queue(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Reported:
-    """A job has something to report."""
-
-    queue: Queue  # in which it runs
-    ticket: int  # by which the state knows it
-    report: Report  # the pool's
-
-
-@dataclass(frozen=True, eq=False)
 class RobotLoaded:
     """A robot can be drawn, by its meshes if it is prepared, else by its collision shapes."""
 
@@ -122,12 +113,25 @@ class Submit(Effect):
     task: Task  # its work
 
     def do(self, outside: Outside) -> None:
-        listener = partial(_report, outside.inbox, self.queue, self.ticket)
+        listener = partial(_report, outside.inbox, self)
         outside.pool.submit(outside.name(self.queue), self.task, listener)
 
 
-def _report(inbox: Inbox, queue: Queue, ticket: int, report: Report) -> None:
-    inbox.put(Reported(queue, ticket, report))
+@dataclass(frozen=True, eq=False)
+class Reported:
+    """A job has something to report."""
+
+    job: Submit
+    report: Report  # the pool's
+
+    @property
+    def ticket(self) -> int:
+        """The number by which the state knows the job."""
+        return self.job.ticket
+
+
+def _report(inbox: Inbox, job: Submit, report: Report) -> None:
+    inbox.put(Reported(job, report))
 
 
 @dataclass(frozen=True)

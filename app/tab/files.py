@@ -45,7 +45,7 @@ def open_file(state: TabState, event: FileChosen) -> Step:
     return state.with_files(opening=state.tickets, opening_note=""), effects
 
 
-@on(Queue.OPEN)
+@on(tasks.OpenFile)
 def take_opening(state: TabState, event: Reported) -> Step:
     """A file is being read, or has been."""
     if event.ticket != state.files.opening:
@@ -178,7 +178,7 @@ def export(state: TabState) -> Step:
     return state.with_files(saving=state.tickets, saved=saved, saving_note=note), effects
 
 
-@on(Queue.SAVE)
+@on(tasks.ExportMotion)
 def take_saving(state: TabState, event: Reported) -> Step:
     """A file is being written, or has been."""
     files, report = state.files, event.report

@@ -69,7 +69,7 @@ def begin_check(state: TabState, motion: Plan | Rollout) -> Step:
     return replace(state, check=Check(motion, state.tickets, note="Checking ...")), effects
 
 
-@on(Queue.CHECK)
+@on(tasks.CheckMotion)
 def take_check(state: TabState, event: Reported) -> TabState:
     """The motion is being checked, or has been."""
     check = state.check

@@ -10,7 +10,7 @@ from app.panel import summaries
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
 from app.tab.acts import Step, also, on, reads, submit, update
-from app.tab.effects import Keep, Notify, Play, Seek
+from app.tab.effects import Keep, Notify, Play, Reported, Seek
 from app.tab.showing import ended, show_rollout
 from app.tab.state import Seeds, TabState
 from app.workers import reports, tasks
@@ -43,8 +43,10 @@ def simulate(state: TabState, seeds: int = 0) -> Step:
 
 
 @on(tasks.SimulateJump)
-def take_simulation(state: TabState, report: reports.Report, task: tasks.SimulateJump) -> Step:
+def take_simulation(state: TabState, event: Reported) -> Step:
     """A simulation is under way, or complete."""
+    report, task = event.report, event.job.task
+    assert isinstance(task, tasks.SimulateJump)
     match report:
         case reports.Progress(text=text, share=share):
             line = f"({text}) ..." if share is None else percent(share)
@@ -111,9 +113,9 @@ def simulate_seeds(state: TabState) -> Step:
 
 
 @on(tasks.SimulateSeeds)
-def take_seeds(state: TabState, report: reports.Report, _: tasks.SimulateSeeds) -> TabState:
+def take_seeds(state: TabState, event: Reported) -> TabState:
     """One seed more has been simulated, or all of them."""
-    seeds = state.seeds
+    seeds, report = state.seeds, event.report
     if seeds is None or isinstance(report, reports.Progress):
         return state
     match report:

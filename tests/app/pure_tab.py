@@ -71,7 +71,7 @@ class PureTab:
     def report(self, report, *, submit=None):
         """A report of the last job, or of another one."""
         submit = submit or self.submits[-1]
-        return self.take(Reported(submit.queue, submit.ticket, report))
+        return self.take(Reported(submit, report))
 
     def finish_plan(self, submit=None, status="solved"):
         """The plan that was asked for last comes."""

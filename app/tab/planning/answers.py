@@ -7,8 +7,8 @@ from dataclasses import replace
 from app.motion.baked import presentable
 from app.panel import summaries
 from app.panel.status import Verdict
-from app.tab.acts import Step, also, joined, on, outcome, played_first
-from app.tab.effects import After, Effect, Keep, Queue, Reported
+from app.tab.acts import Step, also, joined, on, played_first
+from app.tab.effects import After, Keep, Reported
 from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
 from app.tab.planning.refining import refine, wants_refining
@@ -20,43 +20,27 @@ from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
 
 
-@on(Queue.MOTION)
-def take_report(state: TabState, event: Reported) -> Step:
-    """A job on the motion has something to report: the newest one, or an older plan."""
-    report, work = event.report, state.work
-    if event.ticket <= work.dropped:
-        return state, ()
-    if event.ticket != work.newest:
-        # While a slider moves, the answer to an older request is worth showing.
-        return _answer(state, report, event.ticket)
-    task = work.awaited
-    if task is None:
-        return state, ()
-    if isinstance(report, reports.Partial):
-        return outcome(state, report, task)
-    before: tuple[Effect, ...] = ()
-    state = learn(state.with_work(awaited=None), report, task)
-    if isinstance(task, tasks.PlanJump):
-        state, before = _wait_for_rest(state, task)
-    return joined(before, outcome(state, report, task))
-
-
-def _wait_for_rest(state: TabState, task: tasks.PlanJump) -> Step:
-    dragging = state.work.dragging.answered(task)
-    state = state.with_work(dragging=dragging)
-    return state, (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
-
-
 @on(tasks.PlanJump)
-def take_plan_report(state: TabState, report: reports.Report, _: tasks.PlanJump) -> Step:
-    """A plan is being made, or has been, or there is none."""
+def take_plan_report(state: TabState, event: Reported) -> Step:
+    """A plan is being made, or has been, or there is none; or an older request has its plan."""
+    report, task = event.report, event.job.task
+    assert isinstance(task, tasks.PlanJump)
+    if event.ticket != state.work.newest:
+        return _answer(state, report, event.ticket)
+    if isinstance(report, reports.Progress):
+        if state.status.verdict in ANSWERS:
+            return state, ()
+        line = summaries.progress_line(report.text, report.iteration, report.residual)
+        line = f"{state.work.instead}{line}"
+        return state.with_status(Verdict.PLANNING, line, busy=True), ()
+    dragging = state.work.dragging.answered(task)
+    state = learn(state, report, task).with_work(dragging=dragging)
+    before = (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
+    return joined(before, _take_outcome(state, report))
+
+
+def _take_outcome(state: TabState, report: reports.Report) -> Step:
     match report:
-        case reports.Progress():
-            if state.status.verdict in ANSWERS:
-                return state, ()
-            line = summaries.progress_line(report.text, report.iteration, report.residual)
-            line = f"{state.work.instead}{line}"
-            return state.with_status(Verdict.PLANNING, line, busy=True), ()
         case reports.Refused(nearest=None):
             return _refuse(state, report)
         case reports.Planned() | reports.Refused():

@@ -8,6 +8,7 @@ from app.panel import summaries
 from app.panel.acts import Act
 from app.panel.status import Verdict
 from app.tab.acts import Step, on, reads, submit
+from app.tab.effects import Reported
 from app.tab.showing import show_plan
 from app.tab.simulating import simulate_next
 from app.tab.state import TabState
@@ -56,9 +57,11 @@ def refine(state: TabState) -> Step:
 
 
 @on(tasks.RefinePlan)
-def take_refined(state: TabState, report: reports.Report, task: tasks.RefinePlan) -> Step:
+def take_refined(state: TabState, event: Reported) -> Step:
     """A plan is being refined, or has been; what was to follow it follows."""
-    match report:
+    task = event.job.task
+    assert isinstance(task, tasks.RefinePlan)
+    match event.report:
         case reports.Progress(text=text, iteration=iteration, residual=residual):
             line = summaries.progress_line(text, iteration, residual)
             return state.with_status(Verdict.PLANNING, line, busy=True), ()

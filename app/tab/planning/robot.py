@@ -15,9 +15,11 @@ from app.workers import reports, tasks
 
 
 @on(tasks.Prepare)
-def take_prepared(state: TabState, report: reports.Report, _: tasks.Prepare) -> Step:
-    """The design's robot can be loaded, or is being prepared."""
-    match report:
+def take_prepared(state: TabState, event: Reported) -> Step:
+    """The design's robot can be loaded, or is being prepared; or its meshes have been made."""
+    if event.job.queue is Queue.ROBOT:
+        return _take_meshes(state, event.report)
+    match report := event.report:
         case reports.Progress():
             line = summaries.progress_line(report.text, None, None)
             line = f"{state.work.instead}{line}"
@@ -29,10 +31,9 @@ def take_prepared(state: TabState, report: reports.Report, _: tasks.Prepare) -> 
     return ended(state.forgetting(), report, PLAN_AGAIN), ()
 
 
-@on(Queue.ROBOT)
-def take_meshes(state: TabState, event: Reported) -> Step:
+def _take_meshes(state: TabState, report: reports.Report) -> Step:
     """The meshes of a robot that is drawn by its collision shapes have been made."""
-    match event.report:
+    match report:
         case reports.Prepared(robot=name) if state.robot is not None and state.robot.name == name:
             return state, (LoadRobot(name),)
         case reports.Failed(message=message):

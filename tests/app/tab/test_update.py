@@ -261,7 +261,7 @@ class AnyEvents(RuleBasedStateMachine):
                     self.due = event
         for submit in stopped:
             self.running.remove(submit)
-            self.take(Reported(submit.queue, submit.ticket, Cancelled(0)))
+            self.take(Reported(submit, Cancelled(0)))
 
     @rule(event=WISHES)
     def wish(self, event):
@@ -281,7 +281,7 @@ class AnyEvents(RuleBasedStateMachine):
     @rule(file=FILES)
     def finish_newest(self, file):
         submit = self.running.pop()
-        self.take(Reported(submit.queue, submit.ticket, success(submit.task, file)))
+        self.take(Reported(submit, success(submit.task, file)))
 
     @precondition(lambda self: self.running)
     @rule(data=st.data(), file=FILES, end=st.sampled_from(["success", "partial", "failure"]))
@@ -299,7 +299,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.check and self.state.check.ticket,
         )
         before = self.state
-        self.take(Reported(submit.queue, submit.ticket, report))
+        self.take(Reported(submit, report))
         if not newest and not isinstance(report, Planned | Refused):
             assert self.state is before
 
