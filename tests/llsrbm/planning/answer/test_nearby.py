@@ -17,11 +17,12 @@ from llsrbm.motion.sampling import resample
 from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.ocp import progress, solvers
 from llsrbm.ocp.horizon import Solution
+from llsrbm.planning.answer import nearest
 from llsrbm.planning.answer.nearby import from_nearby
 from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve import kept, nearest, solver_cache
+from llsrbm.planning.solve import kept, solver_cache
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.solve.watch import PlanningProgress, Watch
