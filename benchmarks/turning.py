@@ -25,7 +25,7 @@ from benchmarks.scaled_drives import scale_lines, with_scaled
 from benchmarks.similar import like_go2, similar
 from llsrbm.planning.answer.planner import Planner
 from llsrbm.planning.problem.constraints import drives
-from llsrbm.planning.problem.constraints.drive_rows import when_in
+from llsrbm.planning.problem.constraints.drive_needs import when_in
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess

@@ -41,9 +41,9 @@ def apply(matrix: Array, vector: Array) -> Array:
     return (matrix @ vector[..., None])[..., 0]
 
 
-def turns_about_z(angle: Array) -> Array:
+def turns_about_z(angle: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of angles (...) rad about z."""
-    rotation = np.zeros((*angle.shape, 3, 3))
+    rotation = np.zeros((*np.shape(angle), 3, 3))
     rotation[..., 0, 0] = rotation[..., 1, 1] = np.cos(angle)
     rotation[..., 1, 0] = np.sin(angle)
     rotation[..., 0, 1] = -rotation[..., 1, 0]

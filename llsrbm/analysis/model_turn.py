@@ -21,9 +21,9 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.body.joint_loads import speeds_in
 from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.momentum import momentum_and_inertia
-from llsrbm.body.postures import joint_speeds
 from llsrbm.errors import Error
 from llsrbm.mechanics import apply, rotation_matrices
 from llsrbm.motion.plan import Plan
@@ -95,16 +95,7 @@ def _rate_error(plan: Plan, robot: Robot) -> Array:
 def _momentum(robot: Robot, position: Array, at: States, arm_speed: Array) -> Array:
     """(N,) kg m2/s, of the whole body about the vertical, with joints (N, J) rad or m."""
     R_world_base = rotation_matrices(at.base_quat)
-    speed = joint_speeds(
-        robot,
-        position,
-        at.base_quat,
-        at.omega,
-        at.com_velocity,
-        at.foot_velocity,
-        at.foot_omega,
-        arm_speed=arm_speed,
-    )
+    speed = speeds_in(robot, position, at, arm_speed)
     rate = apply(np.swapaxes(R_world_base, -1, -2), at.omega)
     momentum, _ = momentum_and_inertia(robot, position, speed, rate)
     vertical: Array = apply(R_world_base, momentum)[:, 2]

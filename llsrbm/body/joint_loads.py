@@ -123,8 +123,8 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
     postures = _postures(robot, middles, near=(angles[1:] + angles[:-1]) / 2)
     position = postures.joint_position
     arms, arms_at_knots = arm_rates(robot, motion, angles)
-    knot_velocity = _speeds(robot, angles, knots, arms_at_knots)
-    velocity = _speeds(robot, position, middles, arms)
+    knot_velocity = speeds_in(robot, angles, knots, arms_at_knots)
+    velocity = speeds_in(robot, position, middles, arms)
     acceleration = np.diff(knot_velocity, axis=0) / dt
 
     R_base_world = np.swapaxes(rotation_matrices(middles.base_quat), -1, -2)
@@ -170,7 +170,8 @@ def _postures(robot: Robot, at: States, near: Array | None = None) -> Postures:
     return solve_postures(robot, at.com, at.base_quat, at.foot, at.foot_quat, near=near)
 
 
-def _speeds(robot: Robot, joint_position: Array, at: States, arm_speed: Array) -> Array:
+def speeds_in(robot: Robot, joint_position: Array, at: States, arm_speed: Array) -> Array:
+    """(K, J) rad/s or m/s of the joints, with the arms' (K, A n), that move base and feet so."""
     return joint_speeds(
         robot,
         joint_position,

@@ -21,16 +21,11 @@ def momentum_and_inertia(
         joint_position, joint_velocity: (K, J) rad or m, and per s.
         rate: (K, 3) rad/s, angular velocity of the base, base axes.
     """
-    model, data = robot.model, robot.model.createData()
-    momentum, inertia = np.empty((len(rate), 3)), np.empty((len(rate), 3, 3))
-    # The base's place and attitude do not matter.
-    q, v = np.zeros(model.nq), np.zeros(model.nv)
-    q[6] = 1.0
-    for k in range(len(rate)):
-        q[7:], v[3:6], v[6:] = joint_position[k], rate[k], joint_velocity[k]
-        pin.ccrba(model, data, q, v)
-        momentum[k], inertia[k] = data.hg.angular, data.Ig.inertia
-    return momentum, inertia
+    still = np.zeros_like(rate)  # the base's place and attitude do not matter
+    upright = np.tile(pin.neutral(robot.model)[:7], (len(rate), 1))
+    q, v = np.hstack([upright, joint_position]), np.hstack([still, rate, joint_velocity])
+    _, inertia, momentum = centroidal_states(robot.model, q, v)
+    return momentum[:, 3:], inertia
 
 
 def momentum_maps(robot: Robot, joint_position: Array) -> Array:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from llsrbm.control.reference import Target
 from llsrbm.control.whole_body import WholeBody, solved
+from llsrbm.mechanics import turns_about_z
 
 Array = NDArray[np.float64]
 
@@ -126,12 +127,10 @@ class FootOrientation(Task):
     def motion(self, body: WholeBody, target: Target) -> TaskMotion:
         i = self._foot
         heading, rate, acceleration = target.foot_heading[i]
-        c, s = np.cos(heading), np.sin(heading)
-        wanted = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
         return TaskMotion(
             body.foot_rotation_jacobian[i],
             body.foot_rotation_bias[i],
-            pin.log3(wanted @ body.R_world_foot[i].T),
+            pin.log3(turns_about_z(heading) @ body.R_world_foot[i].T),
             np.array([0.0, 0.0, rate]) - body.foot_angular_velocity[i],
             np.array([0.0, 0.0, acceleration]),
         )

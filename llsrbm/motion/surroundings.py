@@ -226,7 +226,7 @@ def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
     grid = np.meshgrid(*np.linspace(low, high, TRUNK_POINTS).T)
     own = np.stack(grid, axis=-1).reshape(-1, 3)
     world = plan.base_position[:, None] + own @ np.swapaxes(rotation_matrices(plan.base_quat), 1, 2)
-    seen = np.abs((world - block.centre) @ turns_about_z(np.array(block.yaw)))
+    seen = np.abs((world - block.centre) @ turns_about_z(block.yaw))
     return bool((seen < block.size / 2).all(axis=-1).any())
 
 
@@ -246,7 +246,7 @@ def _links_inside(robot: Robot, plan: Plan, block: Block, knots: NDArray[np.bool
         return False
     joints = plan.joint_position[:, [plan.joint_names.index(name) for name in robot.joint_names]]
     postures = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), joints])[knots]
-    placement = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
+    placement = pin.SE3(turns_about_z(block.yaw), block.centre)
     least = LinkShapes.of(robot).clearance(postures, coal.Box(*block.size), placement)
     return bool((least < 0).any())
 
@@ -294,8 +294,7 @@ def _highest(plan: Plan, phase: int) -> float:
 
 
 def _turn(heading: float) -> Array:
-    c, s = math.cos(heading), math.sin(heading)
-    return np.array([[c, -s], [s, c]])
+    return turns_about_z(heading)[:2, :2]
 
 
 def _common(one: _Rectangle, other: _Rectangle) -> _Rectangle:

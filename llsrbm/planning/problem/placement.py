@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
+from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
@@ -126,8 +127,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     schedule = kind.schedule(robot, jump)
     places = _places(jump, kind, robot, schedule.places)
     end = places[-1]
-    c, s = np.cos(end.heading), np.sin(end.heading)
-    Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    Rz = turns_about_z(end.heading)
     turns = round((jump.roll + jump.pitch) / (2 * np.pi))
     half = end.heading / 2
     quat = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
@@ -175,13 +175,10 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
             value = getattr(own, name, None)
             return float(getattr(jump, name) if value is None else value)
 
-        c, s = np.cos(heading), np.sin(heading)
-        ahead, aside = moved("forward"), moved("lateral")
-        shift = shift + np.array([c * ahead - s * aside, s * ahead + c * aside, moved("height")])
+        step = [moved("forward"), moved("lateral"), moved("height")]
+        shift = shift + turns_about_z(heading) @ step
         heading += moved("twist")
-        c, s = np.cos(heading), np.sin(heading)
-        Rz = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        feet = robot.feet @ Rz.T + shift
+        feet = robot.feet @ turns_about_z(heading).T + shift
         places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift))
     return tuple(places)
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import GRAVITY
+from llsrbm.mechanics import GRAVITY, turns_about_z
 from llsrbm.models.base import CentroidalModel, no_lift
 from llsrbm.planning.problem.foot_clearance import ground_line
 from llsrbm.planning.problem.knots import Sampled, pack
@@ -188,7 +188,7 @@ class _Path:
     def com(self, place: int) -> Array:
         """CoM of the robot that stands in a place, (3,) m."""
         task, here = self._task, self._task.places[place]
-        return here.origin + _about_vertical(here.heading) @ task.start_position
+        return here.origin + turns_about_z(here.heading) @ task.start_position
 
     def _flight_time(self, place: int) -> float:
         """By twist, distance and height of the displacement after a place."""
@@ -296,7 +296,7 @@ def _flying_foot(
     a, b = task.schedule[phase].place, int(task.landing_place(phase, leg))
     start, goal = task.places[a], task.places[b]
     shift = path.com(b) - path.com(a)
-    turned = np.array([_about_vertical(angle) for angle in s * (goal.heading - start.heading)])
+    turned = turns_about_z(s * (goal.heading - start.heading))
     carried = np.einsum("kij,lj->kli", turned, stood.feet - start.origin) + start.origin
     carried[..., :2] += s[:, None, None] * shift[:2]
     arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
@@ -305,7 +305,7 @@ def _flying_foot(
     heading = (1 - s[:, None]) * stood.yaw + s[:, None] * lands.yaw
     # A body that turns over carries its legs along as an upright one would.
     turns = task.jump.turns
-    R = np.array([_about_vertical(body.turn[0]) if turns else body.R for body in bodies])
+    R = np.array([turns_about_z(body.turn[0]) if turns else body.R for body in bodies])
     position = np.array([body.position for body in bodies])
     x = _seen(model, R, position, carried, heading)[:, leg]
     place = x[:, :3]
@@ -353,8 +353,3 @@ def _hermite(
     )
     acceleration = (12 * s - 6) * (p0 - p1) / T**2 + (6 * s - 4) * v0 / T + (6 * s - 2) * v1 / T
     return position, velocity, acceleration
-
-
-def _about_vertical(angle: float) -> Array:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])

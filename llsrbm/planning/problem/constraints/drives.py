@@ -16,17 +16,15 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
-from llsrbm.errors import JointNeed
-from llsrbm.planning.problem.constraints.base import Array, Bounds, JointDemand, Limit
-from llsrbm.planning.problem.constraints.drive_rows import (
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Limit
+from llsrbm.planning.problem.constraints.drive_rows import DriveConstraint
+from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,
-    MIDDLE,
-    DriveConstraint,
-    Place,
     at_middle_and_edge,
+    available,
     of_planned,
+    speed_shares,
     tamed,
-    when_in,
 )
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
@@ -34,7 +32,6 @@ from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.drives.torques import FULL_UP_TO
-from llsrbm.robots.robot import Robot
 
 FALL = 1.0 - FULL_UP_TO
 # What the check allows beyond the plan's share, of the limit at rest: the rows leave out how a
@@ -93,7 +90,7 @@ class JointTorque(DriveConstraint):
 
     def tops(self, task: Task) -> Array:
         """The robot file's share."""
-        return np.full(2, task.limits.torque_share)
+        return np.full(2, self.share(task))
 
     def checked_shares(self, knots: Knots) -> Array:
         torque = knots.loads.joint_torque * self.share_of(knots)
@@ -103,13 +100,15 @@ class JointTorque(DriveConstraint):
         share: Array = 1 / knots.task.robot.torque_limit
         return share
 
-    def _has(self, knots: Knots, place: Place, value: float) -> tuple[float, str]:
-        robot, joint = knots.task.robot, place[-1]
-        return value * float(_available(knots)[place]), torque_unit(robot, robot.joint_names[joint])
+    def share(self, task: Task) -> float:
+        return task.limits.torque_share
 
-    def demand(self, knots: Knots) -> JointDemand | None:
-        """The torque that exceeds its share most, at rest or at speed."""
-        return torque_demand(knots)
+    def needed(self, knots: Knots) -> Array:
+        return np.repeat(np.abs(knots.loads.joint_torque)[:, None], 2, axis=1)
+
+    def allowed(self, knots: Knots, share: float) -> Array:
+        """A share of what is available at the joints' speeds."""
+        return share * available(knots)
 
 
 class TorqueAtSpeed(JointTorque):
@@ -139,14 +138,13 @@ class TorqueAtSpeed(JointTorque):
 
     def excess(self, knots: Knots) -> Array:
         """Nm, of sliding joints N, beyond the share of what is available at that speed."""
-        loads, task = knots.loads, knots.task
-        allowed = super().allowance(knots)[0] * task.robot.torque_limit
-        torque = np.abs(loads.joint_torque)[:, None]
-        return of_planned(torque - task.limits.torque_share * _available(knots) - allowed, knots)
+        allowed = self.allowed(knots, self.share(knots.task))
+        beyond = super().allowance(knots)[0] * knots.task.robot.torque_limit
+        return of_planned(self.needed(knots) - allowed - beyond, knots)
 
     def checked_shares(self, knots: Knots) -> Array:
         torque = knots.loads.joint_torque * self.share_of(knots)
-        return torque[:, None] + _speed_shares(knots)
+        return torque[:, None] + speed_shares(knots)
 
     def share_of(self, knots: Knots) -> Array:
         return FALL / knots.task.limits.torque_share * super().share_of(knots)
@@ -203,7 +201,7 @@ class JointSpeed(DriveConstraint):
 
     def tops(self, task: Task) -> Array:
         """The robot file's share, and more of it at edges."""
-        return task.limits.speed_share * np.array([1.0, AT_EDGES])
+        return self.share(task) * np.array([1.0, AT_EDGES])
 
     def allowance(self, knots: Knots) -> Array:
         allowance = super().allowance(knots)
@@ -213,61 +211,22 @@ class JointSpeed(DriveConstraint):
 
     def checked_shares(self, knots: Knots) -> Array:
         """Where knees may be overrun, of what they may be overrun to."""
-        shares, task = _speed_shares(knots), knots.task
-        knees = task.robot.leg_joint_index[:, KNEE]
-        for interval, role in enumerate(knots.layout.roles[: len(shares)]):
-            if _overruns(task, role):
-                shares[interval][:, knees] *= task.limits.speed_share / OVERRUN
-        return shares
+        return speed_shares(knots) * _overrun_by(knots)
 
     def share_of(self, knots: Knots) -> Array:
         share: Array = 1 / knots.task.robot.speed_limit
         return share
 
-    def _has(self, knots: Knots, place: Place, value: float) -> tuple[float, str]:
-        robot, (_, where, joint) = knots.task.robot, place
-        has = value * (AT_EDGES if where == EDGE else 1.0) * float(robot.speed_limit[joint])
-        return has, speed_unit(robot, robot.joint_names[joint])
+    def share(self, task: Task) -> float:
+        return task.limits.speed_share
 
-    def demand(self, knots: Knots) -> JointDemand | None:
-        """The speed that exceeds its share most."""
-        robot, shares = knots.task.robot, np.abs(self.checked_shares(knots))
-        tops = self.tops(knots.task)
-        place = _largest(of_planned(shares - tops[:, None], knots))
-        if place is None:
-            return None
-        interval, where, joint = place
-        name, limit = robot.joint_names[joint], float(robot.speed_limit[joint])
-        unit, when = speed_unit(robot, name), when_in(knots.loads, interval)
-        of = limit * float(np.abs(_speed_shares(knots)[place]) / shares[place])
-        need = JointNeed(name, shares[place] * of, tops[where] * of, unit, when)
-        return JointDemand(need, interval)
+    def needed(self, knots: Knots) -> Array:
+        return np.abs(speed_shares(knots)) * knots.task.robot.speed_limit
 
-
-def torque_demand(knots: Knots) -> JointDemand | None:
-    """The torque that exceeds the plans' share of what is available most, of the limit at rest."""
-    loads, robot = knots.loads, knots.task.robot
-    has = knots.task.limits.torque_share * _available(knots)
-    torque = np.abs(loads.joint_torque)
-    place = _largest(of_planned((torque[:, None] - has) / robot.torque_limit, knots))
-    if place is None:
-        return None
-    interval, _, joint = place
-    name = robot.joint_names[joint]
-    unit, when = torque_unit(robot, name), when_in(loads, interval)
-    return JointDemand(JointNeed(name, torque[interval, joint], has[place], unit, when), interval)
-
-
-def _available(knots: Knots) -> Array:
-    """(N, 2, J) Nm or N; infinite where there is no edge."""
-    edge = np.where(np.isnan(_edge_velocity(knots)), np.inf, knots.loads.edge_available)
-    return at_middle_and_edge(knots.loads.torque_available, edge)
-
-
-def _speed_shares(knots: Knots) -> Array:
-    """(N, 2, J) of the limits; NaN where there is no edge."""
-    shares = at_middle_and_edge(knots.loads.joint_velocity, _edge_velocity(knots))
-    return shares / knots.task.robot.speed_limit
+    def allowed(self, knots: Knots, share: float) -> Array:
+        """More at edges, and of knees that may be overrun."""
+        top = share * np.array([1.0, AT_EDGES])[:, None] * knots.task.robot.speed_limit
+        return top / _overrun_by(knots)
 
 
 def _overruns(task: Task, role: Role) -> bool:
@@ -275,31 +234,16 @@ def _overruns(task: Task, role: Role) -> bool:
     return bool(role.lands_upright and role.landing and task.jump.pitch)
 
 
-def _edge_velocity(knots: Knots) -> Array:
-    """(N, J) rad/s or m/s; NaN where no rows are, see `Role.at_edge`."""
-    velocity = knots.loads.edge_velocity.copy()
-    for interval, role in enumerate(knots.layout.roles[: len(velocity)]):
-        for leg in {*role.landing} - {*role.at_edge}:
-            velocity[interval, knots.task.robot.leg_joint_index[leg]] = np.nan
-    return velocity
-
-
-def torque_unit(robot: Robot, joint: str) -> str:
-    """Unit of what its drive gives."""
-    return "N" if joint in robot.sliding_joints else "Nm"
-
-
-def speed_unit(robot: Robot, joint: str) -> str:
-    """Unit of how fast it moves."""
-    return "m/s" if joint in robot.sliding_joints else "rad/s"
-
-
-def _largest(excess: Array) -> Place | None:
-    """Where the largest of (N, 2, J) is; None if nothing is exceeded, or by no number."""
-    if np.isnan(excess[:, MIDDLE]).any() or not 0 < np.nanmax(excess) < np.inf:
-        return None
-    interval, where, joint = np.unravel_index(np.nanargmax(excess), excess.shape)
-    return int(interval), int(where), int(joint)
+def _overrun_by(knots: Knots) -> Array:
+    """(N, 1, J) the bound of a joint's rows as a share of what it may be overrun to, else 1."""
+    task = knots.task
+    factor = np.ones((len(knots.dt), 1, task.joints))
+    for interval, role in enumerate(knots.layout.roles[: len(factor)]):
+        if _overruns(task, role):
+            factor[interval, 0, task.robot.leg_joint_index[:, KNEE]] = (
+                task.limits.speed_share / OVERRUN
+            )
+    return factor
 
 
 DRIVES: tuple[DriveConstraint, ...] = (JointTorque(), TorqueAtSpeed(), JointSpeed())

@@ -150,7 +150,7 @@ class FinalPlace(Constraint):
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Along each of these axes a share of the way to the nearest contact point."""
         last = task.places[-1]
-        seen = (last.contacts - task.goal_position) @ turns_about_z(np.array(last.heading))
+        seen = (last.contacts - task.goal_position) @ turns_about_z(last.heading)
         top = INSIDE * np.abs(seen[:, :2]).min(axis=0)
         return -top, top
 

@@ -15,7 +15,7 @@ from llsrbm.planning.problem.constraints.base import (
     JointDemand,
     Limit,
 )
-from llsrbm.planning.problem.constraints.drive_rows import when_in
+from llsrbm.planning.problem.constraints.drive_needs import when_in
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.roles import Role

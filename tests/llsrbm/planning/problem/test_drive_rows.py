@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from llsrbm.planning.problem.constraints.drive_rows import FAR_BEYOND, MIDDLE, RESERVE
+from llsrbm.planning.problem.constraints.drive_shares import FAR_BEYOND, MIDDLE
+from llsrbm.planning.problem.constraints.drive_shifts import RESERVE
 from llsrbm.planning.problem.constraints.drives import DRIVES
 from tests.llsrbm.planning.solved import (
     REQUESTS,

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
-from llsrbm.planning.problem.constraints.drive_rows import tamed
+from llsrbm.planning.problem.constraints.drive_shares import tamed
 from llsrbm.planning.problem.constraints.drives import OVERRUN, JointSpeed
 from llsrbm.planning.problem.constraints.motion import (
     LEAN,
