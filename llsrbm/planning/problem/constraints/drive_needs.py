@@ -1,4 +1,4 @@
-"""What a refusal says of a drive: which joint needs how much of what it has, and when."""
+"""The drive that stops a jump: which joint needs how much of what it has, and when."""
 
 from __future__ import annotations
 
