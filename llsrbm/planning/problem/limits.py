@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from llsrbm.errors import InputError
 from llsrbm.planning.problem.constraints import CONSTRAINTS
-from llsrbm.planning.problem.constraints.base import Limit
+from llsrbm.planning.problem.limit_table import Limit
 from llsrbm.planning.problem.task import Task
 
 __all__ = ["Limit", "check_limits", "limit_unit", "limits_in", "put_limits"]

@@ -11,9 +11,10 @@ from llsrbm.errors import Stop
 from llsrbm.mechanics import GRAVITY, turns_between
 from llsrbm.motion.solve_report import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
-from llsrbm.planning.problem.constraints.base import JointDemand, Limit
+from llsrbm.planning.problem.constraints.base import JointDemand
 from llsrbm.planning.problem.knots import DYNAMICS, Knots
 from llsrbm.planning.problem.layout import BODY_PLACES, SHIFT, TURNED
+from llsrbm.planning.problem.limit_table import Limit
 
 Array = NDArray[np.float64]
 

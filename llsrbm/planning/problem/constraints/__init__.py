@@ -2,7 +2,8 @@
 
 One small class each, found by name: rows for the solver, and their bounds in numbers. A finished
 plan is checked by the same rows, evaluated again; what the whole body makes of it (drives,
-clearance, turn) by Pinocchio. Adding a constraint is one class and its place in `CONSTRAINTS`.
+clearance, turn) by Pinocchio. Adding a constraint is one class and its place in
+`CONSTRAINTS`; limits that it has are rows of `problem.limit_table`.
 """
 
 from __future__ import annotations

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel
 
 from llsrbm.errors import JointNeed
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import Limit
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
@@ -20,61 +19,6 @@ from llsrbm.planning.problem.task import RowBounds, Task
 Array = NDArray[np.float64]
 
 Bounds = tuple[Any, Any]
-
-
-@dataclass(frozen=True)
-class Limit:
-    """A number in a constraint's bounds that a request may change.
-
-    Attributes:
-        name: as in requests and files.
-        title: the same in words.
-        unit: SI; angles in rad.
-        effect: what raising it does.
-        lowest, highest: what is accepted; shares of the robot's own value if `relative`.
-        place: where a `Task` has it: names of attributes, the index in a tuple.
-        relative: see `lowest`; `llsrbm.planning.problem.limits.limits_of` has them in `unit`.
-        lower_bound: whether raising it forbids more, instead of allowing more.
-    """
-
-    name: str
-    title: str
-    unit: str
-    effect: str
-    lowest: float
-    highest: float
-    place: tuple[str | int, ...]
-    relative: bool = False
-    lower_bound: bool = False
-
-    @property
-    def loosest(self) -> float:
-        """The end of the range that allows most."""
-        return self.lowest if self.lower_bound else self.highest
-
-    def of(self, task: Task) -> float:
-        """The value that holds in a task."""
-        value: Any = task
-        for key in self.place:
-            value = value[key] if isinstance(key, int) else getattr(value, key)
-        return float(value)
-
-    def put(self, task: Task, value: float) -> Task:
-        """The task with another value."""
-        changed: Task = _put(task, self.place, value)
-        return changed
-
-
-def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:
-    if not place:
-        return value
-    key, rest = place[0], place[1:]
-    if isinstance(key, int):
-        return (*whole[:key], _put(whole[key], rest, value), *whole[key + 1 :])
-    part = _put(getattr(whole, key), rest, value)
-    if isinstance(whole, BaseModel):
-        return whole.model_copy(update={key: part})
-    return replace(whole, **{key: part})
 
 
 class JointDemand(NamedTuple):

@@ -16,9 +16,10 @@ from llsrbm.planning.problem.clearance_profile import (
     sides,
     trunk_points,
 )
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit, spread
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, spread
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -49,18 +50,7 @@ class BodyClearance(Constraint):
 
     name = "body_clearance"
     unit = "m"
-    limits = (
-        Limit(
-            "body_margin",
-            "margin over obstacles",
-            "m",
-            "trunk, knees and feet pass higher over what they clear",
-            lowest=0.0,
-            highest=0.2,
-            place=("body_margin",),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("body_margin")
 
     def concerns(self, task: Task) -> bool:
         """True if there is something to clear."""

@@ -8,8 +8,9 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.mechanics import GRAVITY, INSCRIBED
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import across
 from llsrbm.planning.problem.stage import Stage
@@ -76,17 +77,7 @@ class FrictionPyramid(Constraint):
 
     name = "friction_pyramid"
     unit = "N"
-    limits = (
-        Limit(
-            "friction",
-            "coefficient of friction",
-            "1",
-            "feet may push sideways harder for the load they carry",
-            lowest=0.1,
-            highest=1.5,
-            place=("limits", "friction"),
-        ),
-    )
+    limits = limits_called("friction")
 
     def applies(self, role: Role) -> bool:
         """In contact."""

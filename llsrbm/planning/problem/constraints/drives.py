@@ -11,12 +11,12 @@ of which a plan may use the robot file's shares; the rest is for feedback.
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Limit
+from llsrbm.planning.problem.constraints.base import Array, Bounds
 from llsrbm.planning.problem.constraints.drive_rows import DriveConstraint
 from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,
@@ -28,6 +28,7 @@ from llsrbm.planning.problem.constraints.drive_shares import (
 )
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -65,17 +66,7 @@ class JointTorque(DriveConstraint):
     unit = "Nm"
     of_edges = False
     allowances = TORQUE_ALLOWANCE, COMPARED_TORQUE_ALLOWANCE
-    limits: ClassVar[tuple[Limit, ...]] = (
-        Limit(
-            "torque_share",
-            "share of the drives' torque",
-            "1",
-            "plans may use more of the drives' torque; less of it is left for feedback",
-            lowest=0.2,
-            highest=3.0,
-            place=("limits", "torque_share"),
-        ),
-    )
+    limits = limits_called("torque_share")
 
     def applies(self, role: Role) -> bool:
         """Over every interval but the first of a plan from rest, where the robot stands."""
@@ -164,17 +155,7 @@ class JointSpeed(DriveConstraint):
     of_both_ends = False
     edge_reserve = SPEED_RESERVE
     allowances = SPEED_ALLOWANCE, COMPARED_SPEED_ALLOWANCE
-    limits = (
-        Limit(
-            "speed_share",
-            "share of the drives' speed",
-            "1",
-            "joints may turn faster; less is left for feedback",
-            lowest=0.2,
-            highest=3.0,
-            place=("limits", "speed_share"),
-        ),
-    )
+    limits = limits_called("speed_share")
 
     def applies(self, role: Role) -> bool:
         """While feet swing, in the interval before that and in the one after it."""

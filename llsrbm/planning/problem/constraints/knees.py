@@ -9,8 +9,9 @@ import numpy as np
 
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -29,18 +30,7 @@ class KneeHeight(Constraint):
 
     name = "knee_height"
     unit = "m"
-    limits = (
-        Limit(
-            "knee_margin",
-            "margin of knees over the ground",
-            "m",
-            "knees of standing legs keep higher above the ground and what is landed on",
-            lowest=0.0,
-            highest=0.1,
-            place=("limits", "knee_margin"),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("knee_margin")
 
     def concerns(self, task: Task) -> bool:
         """True if the robot has knees."""
@@ -80,18 +70,7 @@ class LegsApart(Constraint):
 
     name = "legs_apart"
     unit = "m"
-    limits = (
-        Limit(
-            "legs_apart",
-            "distance that legs side by side keep",
-            "m",
-            "legs stay further from each other in flight",
-            lowest=0.0,
-            highest=0.2,
-            place=("limits", "legs_apart"),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("legs_apart")
 
     def concerns(self, task: Task) -> bool:
         """True if the robot has knees."""

@@ -8,9 +8,10 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.mechanics import turns_about_z
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import BALANCE_SCALE, Stage
 from llsrbm.planning.problem.task import Task
@@ -248,24 +249,8 @@ class PhaseTimes(Constraint):
 
     name = "phase_times"
     unit = "s"
-    limits = tuple(
-        Limit(
-            f"{phase}_{end}",
-            f"{extreme} {title}",
-            "s",
-            f"{title} {effect}",
-            lowest=accepted[0],
-            highest=accepted[1],
-            place=("timing", phase, index),
-            lower_bound=end == "min",
-        )
-        for phase, title in (("takeoff", "take-off"), ("flight", "flight"), ("landing", "landing"))
-        for index, (end, extreme, effect, accepted) in enumerate(
-            (
-                ("min", "shortest", "takes at least this long", (0.1, 1.0)),
-                ("max", "longest", "may take longer", (0.15, 1.5)),
-            )
-        )
+    limits = limits_called(
+        "takeoff_min", "takeoff_max", "flight_min", "flight_max", "landing_min", "landing_max"
     )
 
     def applies(self, role: Role) -> bool:

@@ -8,19 +8,14 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
-# The ranges of the box and of the distance stay near the robot file's: the maps of the legs are
-# fitted there, and the closed forms of the legs' drives hold there.
-_BOX = (
-    ("x", "behind their hips (mirrored hind legs: ahead)", "ahead of their hips (those: behind)"),
-    ("y", "inward of their hips", "outward of their hips"),
-    ("z", "below their hips", "up towards their hips"),
-)
+_BOX = [f"reach_{axis}_{end}" for axis in "xyz" for end in ("min", "max")]
 
 
 class Reach(Constraint):
@@ -32,56 +27,16 @@ class Reach(Constraint):
 
     name = "reach"
     unit = "m"
-    limits = (
-        Limit(
-            "reach_min",
-            "shortest leg, hip to foot",
-            "m",
-            "legs fold less",
-            lowest=0.8,
-            highest=1.4,
-            place=("reach", "distance", 0),
-            relative=True,
-            lower_bound=True,
-        ),
-        Limit(
-            "reach_max",
-            "longest leg, hip to foot",
-            "m",
-            "legs may stretch further: knees get faster near the straight leg",
-            lowest=0.75,
-            highest=1.08,
-            place=("reach", "distance", 1),
-            relative=True,
-        ),
-        Limit(
-            "reach_standing",
-            "lowest hips above standing feet",
-            "1",
-            "robots crouch less before they jump and when they land; a share of standing upright",
-            lowest=0.3,
-            highest=0.95,
-            place=("reach", "standing"),
-            lower_bound=True,
-        ),
-        *(
-            Limit(
-                f"reach_{axis}_{end}",
-                f"{extreme} {axis} of a foot from its hip",
-                "m",
-                effect,
-                lowest=0.4,
-                highest=1.25,
-                place=("reach", corner, index),
-                lower_bound=end == "min",
-                relative=True,
-            )
-            for index, (axis, back, ahead) in enumerate(_BOX)
-            for end, extreme, corner, effect in (
-                ("min", "lowest", "lower", f"feet come less far {back}"),
-                ("max", "highest", "upper", f"feet may come further {ahead}"),
-            )
-        ),
+    limits = limits_called(
+        "reach_min",
+        "reach_max",
+        "reach_standing",
+        "reach_x_min",
+        "reach_x_max",
+        "reach_y_min",
+        "reach_y_max",
+        "reach_z_min",
+        "reach_z_max",
     )
 
     def applies(self, role: Role) -> bool:
@@ -116,18 +71,7 @@ class FeetApart(Constraint):
 
     name = "feet_apart"
     unit = "m"
-    limits = (
-        Limit(
-            "feet_apart",
-            "distance that feet keep",
-            "m",
-            "feet stay further from each other in flight: less of a twist comes from the inertia",
-            lowest=0.0,
-            highest=0.5,
-            place=("limits", "feet_apart"),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("feet_apart")
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown of any foot."""

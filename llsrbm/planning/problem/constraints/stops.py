@@ -13,11 +13,11 @@ from llsrbm.planning.problem.constraints.base import (
     Array,
     Bounds,
     JointDemand,
-    Limit,
 )
 from llsrbm.planning.problem.constraints.drive_needs import when_in
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
@@ -41,18 +41,7 @@ class JointStops(AgreedConstraint):
 
     name = "joint_stops"
     unit = "rad"
-    limits = (
-        Limit(
-            "stop_margin",
-            "margin to the joints' stops",
-            "1",
-            "joints keep further from their stops; a share of what lies between them",
-            lowest=0.0,
-            highest=0.2,
-            place=("limits", "stop_margin"),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("stop_margin")
 
     def concerns(self, task: Task) -> bool:
         """True if the robot has a joint that may come near a stop."""

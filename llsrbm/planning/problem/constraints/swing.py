@@ -7,9 +7,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.foot_clearance import clearance_line
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -23,18 +24,7 @@ class Clearance(Constraint):
     name = "clearance"
     unit = "m"
     by_knot = True
-    limits = (
-        Limit(
-            "clearance",
-            "clearance of the feet",
-            "m",
-            "feet are lifted higher in mid-flight",
-            lowest=0.0,
-            highest=0.3,
-            place=("limits", "clearance"),
-            lower_bound=True,
-        ),
-    )
+    limits = limits_called("clearance")
 
     def applies(self, role: Role) -> bool:
         """Between lift-off and touchdown."""
@@ -63,18 +53,7 @@ class FootSpeed(Constraint):
 
     name = "foot_speed"
     unit = "m/s"
-    limits = (
-        Limit(
-            "foot_speed",
-            "foot speed over the ground",
-            "m/s",
-            "feet may fly faster over the ground",
-            lowest=0.2,
-            highest=3.0,
-            place=("limits", "foot_speed"),
-            relative=True,
-        ),
-    )
+    limits = limits_called("foot_speed")
 
     def applies(self, role: Role) -> bool:
         """While feet swing; not as a motion that is under way begins: that is as it is."""

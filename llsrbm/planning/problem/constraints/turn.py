@@ -7,8 +7,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Bounds, Constraint, Limit
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
@@ -19,29 +20,7 @@ class FootYaw(Constraint):
 
     name = "foot_yaw"
     unit = "rad"
-    limits = (
-        Limit(
-            "foot_yaw_min",
-            "furthest turn of a foot inward",
-            "rad",
-            "feet may turn inward less far",
-            lowest=0.0,
-            highest=1.25,
-            place=("foot", "yaw", 0),
-            relative=True,
-            lower_bound=True,
-        ),
-        Limit(
-            "foot_yaw_max",
-            "furthest turn of a foot outward",
-            "rad",
-            "feet may turn outward further",
-            lowest=0.0,
-            highest=1.25,
-            place=("foot", "yaw", 1),
-            relative=True,
-        ),
-    )
+    limits = limits_called("foot_yaw_min", "foot_yaw_max")
 
     def concerns(self, task: Task) -> bool:
         """Soles only."""
@@ -67,18 +46,7 @@ class FootTurn(Constraint):
 
     name = "foot_turn"
     unit = "rad/s"
-    limits = (
-        Limit(
-            "foot_turn_speed",
-            "turning speed of a foot",
-            "rad/s",
-            "feet may turn faster in flight",
-            lowest=0.2,
-            highest=2.0,
-            place=("foot", "turn_speed"),
-            relative=True,
-        ),
-    )
+    limits = limits_called("foot_turn_speed")
 
     def concerns(self, task: Task) -> bool:
         """Soles only."""
