@@ -16,8 +16,8 @@ import llsrbm
 
 try:
     from llsrbm.planning.answer.planner import planner_for
-except ModuleNotFoundError:  # versions before `planning.solve`
-    from llsrbm.planning.planner import planner_for
+except ModuleNotFoundError:  # versions before `planning.answer`
+    from llsrbm.planning.solve.planner import planner_for
 
 MODEL = "llsrbm-plus"
 
