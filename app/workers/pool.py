@@ -53,7 +53,7 @@ WAITING_INTERVAL = 0.5
 CLOSED = "The server is closing."
 BUSY = f"The server is busy: {MOST_WAITING} requests are waiting. Please try again in a moment."
 DEFECT = "A defect of the server interrupted this; please try again."
-BROKEN = "The server has a lasting defect and computes nothing any more; the terminal says more."
+BROKEN = "Internal error: planning has stopped; see the server log."
 SILENT = f"It gave no sign of life for {SILENCE / 60:g} minutes and was stopped."
 LATE = "It took more than {limit:g} s and was stopped."
 

@@ -11,15 +11,15 @@ from llsrbm.control.readings import Readings
 from llsrbm.player.play_log import PlayLog
 from llsrbm.player.states import Check, Damp, State
 from llsrbm.player.stops import (
-    SILENT,
+    LINK_LOST,
     UNDER_WAY,
-    IdleDrive,
     LateReadings,
     MissedDeadlines,
     Moment,
     Stop,
     Tilt,
     TrackingError,
+    UnresponsiveDrive,
     Unwell,
 )
 from llsrbm.player.tier import PERIOD, Tier
@@ -68,7 +68,7 @@ class Player:
         self._tier, self._link, self._clock, self._announce = tier, link, clock, announce
         self._deadlines = MissedDeadlines()
         self._stops: tuple[Stop, ...] = (
-            *(Tilt(), TrackingError(tier.robot), IdleDrive(tier.robot)),
+            *(Tilt(), TrackingError(tier.robot), UnresponsiveDrive(tier.robot)),
             *(LateReadings(), self._deadlines, Unwell()),
         )
         self._sent: deque[MotorCommand] = deque(maxlen=UNDER_WAY)
@@ -96,7 +96,7 @@ class Player:
             readings, now = self._newest(), self._clock()
             self._deadlines.awake(now)
             if readings is None:
-                reason = self._asked or _silence(state, now - heard)
+                reason = self._asked or _lost_link(state, now - heard)
                 if reason:
                     return Ended(reason, state.name if state else Check.name, now)
                 continue
@@ -155,10 +155,10 @@ class Player:
                 self.log.add(state.name, self._clock(), 0.0, readings, state.brake, None)
 
 
-def _silence(state: State | None, silent: float) -> str:
-    allowed = FIRST_READING if state is None else SILENT
+def _lost_link(state: State | None, silent: float) -> str:
+    allowed = FIRST_READING if state is None else LINK_LOST
     if silent <= allowed:
         return ""
     if state is None:
-        return f"silence: nothing was heard of the robot in {silent:.1f} s"
-    return f"silence: no reading for {1e3 * silent:.0f} ms, at most {1e3 * SILENT:.0f} are allowed"
+        return f"lost link: nothing was heard of the robot in {silent:.1f} s"
+    return f"lost link: no reading for {1e3 * silent:.0f} ms, at most {1e3 * LINK_LOST:.0f} are allowed"

@@ -20,11 +20,11 @@ from llsrbm.wire.link import Health
 
 Array = NDArray[np.float64]
 
-SILENT = 0.02  # s without a reading: ten in a row
+LINK_LOST = 0.02  # s without a reading: ten in a row
 TILTED = np.radians(45.0)  # from the planned attitude; beyond it no landing is on the feet
 # rad (m): a joint that far from the plan's, for so long, s, is not on its way there. Feet that land
 # early or late are off by less.
-ASTRAY, ASTRAY_FOR = 0.8, 0.03
+MAX_TRACKING_ERROR, TRACKING_ERROR_FOR = 0.8, 0.03
 # s by which readings are later than the first ones were, or commands are followed; for how long.
 LATE, LATE_FOR = 0.01, 0.01
 # s from a reading to its command: jumps through a wire of 6 instead of 2 ms go as well as others.
@@ -32,7 +32,7 @@ DEADLINE = 0.004
 # Commands that missed it, of the last so many; and s in which the player itself did nothing.
 MISSED, LAST_SENT, PAUSED = 10, 50, 0.02
 # Share of a drive's torque by which it differs from every command under way, and for how long, s.
-IDLE, IDLE_FOR = 0.08, 0.04
+MAX_TORQUE_ERROR, TORQUE_ERROR_FOR = 0.08, 0.04
 UNDER_WAY = 4  # commands: up to 6 ms
 # Of motors, deg C, and of the battery's charge. Our own choice: a jump takes the most of both.
 HOTTEST, LEAST_CHARGE = 75.0, 0.25
@@ -86,17 +86,17 @@ class TrackingError(Stop):
     def find(self, moment: Moment) -> str:
         """See `Stop`."""
         off = np.abs(moment.readings.q - moment.planned.q)
-        self._ticks = np.where(off > ASTRAY, self._ticks + 1, 0)
+        self._ticks = np.where(off > MAX_TRACKING_ERROR, self._ticks + 1, 0)
         joint = int(self._ticks.argmax())
-        if self._ticks[joint] * PERIOD < ASTRAY_FOR:
+        if self._ticks[joint] * PERIOD < TRACKING_ERROR_FOR:
             return ""
         return (
             f"tracking: {self._names[joint]} is {off[joint]:.2f} rad from the plan, at most "
-            f"{ASTRAY:g} are allowed"
+            f"{MAX_TRACKING_ERROR:g} are allowed"
         )
 
 
-class IdleDrive(Stop):
+class UnresponsiveDrive(Stop):
     """A drive gives another torque than any of the commands that it may have by now."""
 
     def __init__(self, robot: Robot) -> None:
@@ -113,9 +113,9 @@ class IdleDrive(Stop):
             [np.clip(sent.torque(readings.q, readings.dq), *limits) for sent in moment.sent]
         )
         off = np.abs(readings.torque - wanted).min(axis=0) / robot.torque_limit
-        self._ticks = np.where(off > IDLE, self._ticks + 1, 0)
+        self._ticks = np.where(off > MAX_TORQUE_ERROR, self._ticks + 1, 0)
         joint = int(self._ticks.argmax())
-        if self._ticks[joint] * PERIOD < IDLE_FOR:
+        if self._ticks[joint] * PERIOD < TORQUE_ERROR_FOR:
             return ""
         return (
             f"drive: {robot.joint_names[joint]} gives {readings.torque[joint]:.1f} Nm, "

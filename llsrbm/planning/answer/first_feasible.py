@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 FROM_NEARBY = replace(solvers.FROM_GUESS, mu=1e-4, push=1e-3, iterations=50)
 # Times that the whole body is asked about a whole turn: where its feet roll to, and with them its
 # legs' momentum, depends on the answer before.
-MINDED_TURNING = 3
+SHIFTS_TURNING = 3
 TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
@@ -45,14 +45,14 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
     checked and solved again.
     """
-    minded = retargeted(task, jump)
-    for _ in range(MINDED_TURNING if jump.turns else 1):
-        minded = formulation.with_bounds_of_start(minded, solution)
+    shifted = retargeted(task, jump)
+    for _ in range(SHIFTS_TURNING if jump.turns else 1):
+        shifted = formulation.with_bounds_of_start(shifted, solution)
     return replace(
         task,
-        agreed_bounds=minded.agreed_bounds,
-        correction=minded.correction,
-        rolled=minded.rolled,
+        agreed_bounds=shifted.agreed_bounds,
+        correction=shifted.correction,
+        rolled=shifted.rolled,
     )
 
 

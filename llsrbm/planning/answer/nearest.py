@@ -88,7 +88,7 @@ class ElasticFormulation(Formulation):
     penalty: float = PENALTIES[-1]
     # The plain problem goes on where these leave something.
     shifts = 2
-    # Of a nearer jump the edge to be minded may be another one.
+    # Of a nearer jump another edge may bound the feet.
     mended = Formulation.mended | {Edge.name, BodyClearance.name}
 
     @classmethod
@@ -276,11 +276,11 @@ def _in_whole_steps(
     if whole.task.jump == elastic.task.requested and whole.solved and stands(whole.task):
         return whole
     start = formulation.to_plain(elastic.task, elastic.solution)
-    minded = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
+    shifted = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
     further = STEP_FURTHER if all_right else FURTHER
     for jump in _rounded(elastic.task, further) if elastic.converged else ():
-        task = replace(retargeted(minded, jump), requested=None)
+        task = replace(retargeted(shifted, jump), requested=None)
         attempt = plain.reconciled(plain.again(task, start, watch), watch)
         if attempt.solved and stands(attempt.task):
             return attempt

@@ -209,17 +209,17 @@ class Planner:
         form, tried = self.formulation, list[Attempt]()
         start = usable_start(near, form)
         watch.begin(f"attempt 1: {FOLLOWED}")
-        minded = with_bounds_nearby(form, task, near.jump, start)
+        bounded = with_bounds_nearby(form, task, near.jump, start)
         if not near.is_nearest:
-            attempt = form.reconciled(form.follow(minded, start, watch), watch, hurried=True)
+            attempt = form.reconciled(form.follow(bounded, start, watch), watch, hurried=True)
             if attempt.solved:
                 return [replace(attempt, label=FOLLOWED)], None
             tried = [attempt]
         watch.begin("looking for the nearest jump that can be planned")
         begun = near.jump, start.variables
-        found = first_feasible(self._elastic(task, watch), minded, begun, watch)
+        found = first_feasible(self._elastic(task, watch), bounded, begun, watch)
         if found is None and not tried:  # a refusal says where the request stopped
-            tried = [form.follow(minded, start, watch)]
+            tried = [form.follow(bounded, start, watch)]
         return tried, found
 
     def _ended(

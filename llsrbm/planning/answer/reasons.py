@@ -205,7 +205,7 @@ def _limited_too(constraint: Constraint) -> Iterator[Constraint]:
 def _free(nearest: Nearest, gain: Gain, value: float, watch: Watch) -> Attempt:
     """The elastic problem's solution under a looser limit.
 
-    What the whole body says of other limits at the nearest jump stays minded.
+    What the whole body says of other limits at the nearest jump stays in their bounds.
     """
     form, elastic = nearest.formulation, nearest.elastic
     own = {gain.constraint.name, *(c.name for c in _limited_too(gain.constraint))}

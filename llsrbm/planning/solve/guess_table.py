@@ -290,24 +290,24 @@ def read_table(path: Path, formulation: Formulation) -> GuessTable | None:
         return None
     for name, value in expected.items():
         if meta.get(name) != value:
-            raise RefusedTable(path, f"{_NAMES[name]} when it was made")
+            raise RefusedTable(path, f"built for {_NAMES[name]}")
     _check(path, table, formulation)
     return table
 
 
 class RefusedTable(Exception):
-    """A table that should fit, and why it is not used."""
+    """A table that should fit, and why it is ignored."""
 
     def __init__(self, path: Path, reason: str) -> None:
-        super().__init__(f"{path.name}, a table of guesses, is not used, because {reason}")
+        super().__init__(f"{path.name}, a table of guesses, is ignored: {reason}")
 
 
-# What a table's solutions depend on, as a reason against it.
+# Reasons against a table: its solutions depend on these.
 _NAMES = {
-    "schema": "its format was another one",
-    "robot": "the robot's numbers were others",
-    "sizes": "the problem had another size",
-    "weights": "the default weights were others",
+    "schema": "another format",
+    "robot": "other robot parameters",
+    "sizes": "a problem of another size",
+    "weights": "other default weights",
 }
 
 

@@ -22,7 +22,7 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.wire.simulator_process import STARTS, simulator
 
 PLANS = assets_directory() / "plans"
-BUSY = "deadlines:|silence:|late:"  # what a busy machine may do to a player
+BUSY = "deadlines:|lost link:|late:"  # what a busy machine may do to a player
 
 
 def test_a_dry_run_prints_states_and_first_commands(capsys):

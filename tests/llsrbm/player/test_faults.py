@@ -40,7 +40,7 @@ def test_a_lost_topic(fault):
     stage = Stage()
     stage.wire.silent_from = fault
     state = "stand" if fault < stage.jump else "jump"
-    words = r"silence: no reading for 2\d ms, at most 20 are allowed"
+    words = r"lost link: no reading for 2\d ms, at most 20 are allowed"
     assert_damped(stage, stage.run(), fault, state, words)
 
 
@@ -48,7 +48,7 @@ def test_a_robot_that_is_never_heard():
     stage = Stage()
     stage.wire.silent_from = 0.0
     ended = stage.run()
-    assert re.search(r"in check and damped: silence: nothing was heard of the robot", ended.line)
+    assert re.search(r"in check and damped: lost link: nothing was heard of the robot", ended.line)
     assert ended.time == pytest.approx(2.0, abs=0.01)
     assert all(is_brake(command) for _, command in stage.wire.sent)
 
@@ -76,7 +76,7 @@ def test_readings_that_come_late(late_by):
 def test_messages_late_by_20_ms():
     stage = Stage()
     stage.wire.late_from = ON_THE_GROUND
-    words = r"(silence: no reading for 2\d ms|late: readings come 20 ms late), .*"
+    words = r"(lost link: no reading for 2\d ms|late: readings come 20 ms late), .*"
     assert_damped(stage, stage.run(), ON_THE_GROUND, "jump", words)
 
 

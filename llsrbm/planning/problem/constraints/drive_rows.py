@@ -27,9 +27,9 @@ from llsrbm.planning.problem.constraints.drive_needs import largest_demand, lean
 from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,
     MIDDLE,
+    compressed,
     of_edges,
     of_planned,
-    tamed,
 )
 from llsrbm.planning.problem.constraints.drive_shifts import shifted_bounds
 from llsrbm.planning.problem.knots import Knots
@@ -56,7 +56,7 @@ class DriveConstraint(AgreedConstraint):
 
     def rows(self, stage: Stage) -> Any:
         """(n (L + touching_down + beside a swing) + A n, 1)."""
-        return tamed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
+        return compressed(ca.vertcat(ca.vec(self.shares(stage)), self.arm_shares(stage)))
 
     @abstractmethod
     def shares(self, stage: Stage) -> Any:
@@ -84,10 +84,10 @@ class DriveConstraint(AgreedConstraint):
                 )
                 for ends in (shifted.lower, shifted.upper)
             )
-            return tamed(lower, np.sqrt), tamed(upper, np.sqrt)
+            return compressed(lower, np.sqrt), compressed(upper, np.sqrt)
         middle, edge = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
         tops = np.repeat([middle, edge, middle], [len(joints), len(edges), len(arms)])
-        top = tamed(tops, np.sqrt)
+        top = compressed(tops, np.sqrt)
         return -top, top
 
     def violation(self, knots: Knots) -> Array:

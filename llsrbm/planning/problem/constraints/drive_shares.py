@@ -23,12 +23,12 @@ MIDDLE, EDGE = 0, 1  # where over an interval, in arrays (N, 2, J)
 Place = tuple[int, int, int]  # in one
 
 
-def tamed(share: Any, root: Callable[[Any], Any] = ca.sqrt) -> Any:
+def compressed(share: Any, root: Callable[[Any], Any] = ca.sqrt) -> Any:
     """A share, or its bound, as a row: increasing, and far beyond the limit ever slower."""
     return share / root(root(1 + (share / FAR_BEYOND) ** 2))
 
 
-def untamed(row: Array) -> Array:
+def expanded(row: Array) -> Array:
     """The share that a row is of."""
     fourth = row**4
     square = fourth / FAR_BEYOND**2

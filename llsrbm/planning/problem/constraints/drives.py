@@ -22,9 +22,9 @@ from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,
     at_middle_and_edge,
     available,
+    compressed,
     of_planned,
     speed_shares,
-    tamed,
 )
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
@@ -168,7 +168,7 @@ class JointSpeed(DriveConstraint):
             return lower, upper
         legs, beside = task.robot.leg_joint_index, list(layout.roles[knot].at_edge)
         joints = np.concatenate([legs.ravel(), legs[beside].ravel(), task.free_arms])
-        knees, top = np.isin(joints, legs[:, KNEE]), tamed(OVERRUN, np.sqrt)
+        knees, top = np.isin(joints, legs[:, KNEE]), compressed(OVERRUN, np.sqrt)
         return np.where(knees, -top, lower), np.where(knees, top, upper)
 
     def shares(self, stage: Stage) -> Any:

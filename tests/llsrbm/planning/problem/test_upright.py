@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
-from llsrbm.planning.problem.constraints.drive_shares import tamed
+from llsrbm.planning.problem.constraints.drive_shares import compressed
 from llsrbm.planning.problem.constraints.drives import OVERRUN, JointSpeed
 from llsrbm.planning.problem.constraints.motion import (
     LEAN,
@@ -164,7 +164,9 @@ def test_where_knees_may_be_overrun_as_a_flip_lands():
     ):
         hips_and_knees = speed_bounds(turn, **displacement).reshape(-1, 3)
         knees = hips_and_knees[:, 2]
-        assert knees == pytest.approx(tamed(OVERRUN, np.sqrt)) if overrun else knees.max() < 1.0
+        assert (
+            knees == pytest.approx(compressed(OVERRUN, np.sqrt)) if overrun else knees.max() < 1.0
+        )
         assert hips_and_knees[:, :2].max() < 1.0
         assert speed_bounds(turn, -1, **displacement).max() < 1.0
 
