@@ -161,4 +161,5 @@ def _lost_link(state: State | None, silent: float) -> str:
         return ""
     if state is None:
         return f"lost link: nothing was heard of the robot in {silent:.1f} s"
-    return f"lost link: no reading for {1e3 * silent:.0f} ms, at most {1e3 * LINK_LOST:.0f} are allowed"
+    most = 1e3 * LINK_LOST
+    return f"lost link: no reading for {1e3 * silent:.0f} ms, at most {most:.0f} are allowed"
