@@ -37,7 +37,7 @@ from llsrbm.planning.problem.limits import put_limits
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess
-from llsrbm.planning.solve.formulation import CLOSE, Attempt, Formulation
+from llsrbm.planning.solve.formulation import FROM_CLOSE, Attempt, Formulation
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
@@ -99,7 +99,7 @@ def ways(form: Formulation, task: Task, last: Attempt | None) -> Iterator[Callab
         before = form.with_shifted_bounds(last).agreed_bounds
         minded = replace(task, agreed_bounds=before)
         yield lambda: form.follow(minded, last.solution, watch)
-        yield lambda: form.solve(minded, last.solution.variables, watch, CLOSE)
+        yield lambda: form.solve(minded, last.solution.variables, watch, FROM_CLOSE)
         yield lambda: form.solve(task, form.moved(last, task), watch, solvers.FROM_GUESS)
     yield lambda: form.solve(task, form.guess(task), watch, solvers.FROM_GUESS)
 

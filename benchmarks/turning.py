@@ -29,7 +29,7 @@ from llsrbm.planning.problem.constraints.drive_needs import when_in
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import describe_worst, excess
-from llsrbm.planning.solve.formulation import CAUTIOUS, CLOSE, Attempt, Formulation
+from llsrbm.planning.solve.formulation import FROM_CLOSE, FROM_FLIP_GUESS, Attempt, Formulation
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.robots import load_robot
@@ -40,7 +40,7 @@ SOURCE = "go1"  # flips both ways from the analytic guess, with drives as they a
 # Times the robot's drives: the first plan, the first step, the last one, and the end of the search.
 STRONG, STEP, FINEST, LEAST = 6.0, 0.6, 0.94, 0.4
 NEAR = 0.8  # steps from which on other limits and weights are tried, too
-STEPPED = replace(CLOSE, iterations=80)
+STEPPED = replace(FROM_CLOSE, iterations=80)
 LONGER_PUSH = (0.06, 0.7)  # s; 0.4 at most of the type's
 AT_LIMIT = 0.97  # share of a bound from which on a joint is at its limit
 # Name -> whether torque, and speed, get weaker.
@@ -128,12 +128,14 @@ def main(
     for turn in turns.split(","):
         form, task = formulation(load_robot(SOURCE), turn)
         strong = with_scaled(task, STRONG, STRONG)
-        source = form.reconciled(form.solve(strong, form.guess(strong), Watch(), CAUTIOUS), Watch())
+        source = form.reconciled(
+            form.solve(strong, form.guess(strong), Watch(), FROM_FLIP_GUESS), Watch()
+        )
         for name in robots.split(","):
             form, task = formulation(load_robot(name), turn)
             strong = with_scaled(task, STRONG, STRONG)
             guess = similar(source, form, strong)
-            first = form.reconciled(form.solve(strong, guess, Watch(), CAUTIOUS), Watch())
+            first = form.reconciled(form.solve(strong, guess, Watch(), FROM_FLIP_GUESS), Watch())
             first = first if first.solved else weaker(form, [task], STRONG, STRONG, first)
             if not first.solved:
                 why = describe_worst(first.violations)

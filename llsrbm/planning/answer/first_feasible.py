@@ -15,7 +15,7 @@ from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.answer.nearby import NEARBY_MISS
 from llsrbm.planning.answer.nearest import (
-    AGAIN,
+    ELASTIC_AGAIN,
     ElasticFormulation,
     Nearest,
     attempt_at_request,
@@ -35,8 +35,8 @@ Array = NDArray[np.float64]
 FROM_NEARBY = replace(solvers.FROM_GUESS, mu=1e-4, push=1e-3, iterations=50)
 # Times that the whole body is asked about a whole turn: where its feet roll to, and with them its
 # legs' momentum, depends on the answer before.
-SHIFTS_TURNING = 3
-TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
+MAX_SHIFTS_TURNING = 3
+MAX_TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
 def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solution: Iterate) -> Task:
@@ -46,7 +46,7 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
     checked and solved again.
     """
     shifted = retargeted(task, jump)
-    for _ in range(SHIFTS_TURNING if jump.turns else 1):
+    for _ in range(MAX_SHIFTS_TURNING if jump.turns else 1):
         shifted = formulation.with_bounds_of_start(shifted, solution)
     return replace(
         task,
@@ -81,12 +81,12 @@ def first_feasible(
 
 
 def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) -> Nearest | None:
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         for plain in (attempt_at_request(way, elastic), plain_attempt(way, elastic)):
             if plain.solved and stands(plain.task):
                 return Nearest(plain, elastic, way)
         elastic = way.solve(
-            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, AGAIN
+            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, ELASTIC_AGAIN
         )
         if not elastic.converged:
             break

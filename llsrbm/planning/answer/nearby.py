@@ -9,7 +9,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import (
-    CLOSE,
+    FROM_CLOSE,
     Attempt,
     Formulation,
     best_of,
@@ -21,7 +21,7 @@ from llsrbm.planning.solve.watch import Watch
 NEARBY_MISS = 0.1
 # The others: SLIDER's jumps take 13 iterations so, 16 with the first patience, and 18 from the
 # analytic guess.
-NEARER = replace(CLOSE, iterations=30)
+FROM_NEARBY_SLOWLY = replace(FROM_CLOSE, iterations=30)
 
 
 def usable_start(near: Plan, formulation: Formulation) -> Iterate:
@@ -62,5 +62,5 @@ def from_nearby(formulation: Formulation, start: Iterate, task: Task, watch: Wat
     if formulation.solver.miss(formulation.problem(task), start.variables) < NEARBY_MISS:
         attempts.append(formulation.follow(task, start, watch))
     if not attempts or not attempts[-1].solved:
-        attempts.append(formulation.solve(task, start.variables, watch, NEARER))
+        attempts.append(formulation.solve(task, start.variables, watch, FROM_NEARBY_SLOWLY))
     return best_of(attempts)

@@ -35,7 +35,7 @@ from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import excess
 from llsrbm.planning.solve.formulation import (
-    NEAR_ENOUGH,
+    MAX_EXCESS_FOLLOWED,
     Attempt,
     Formulation,
     scaled,
@@ -48,28 +48,28 @@ Array = NDArray[np.float64]
 
 # rad and m: results are whole steps of the components that are reduced.
 STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
-GUESSED = 0.5  # share of the request that is guessed
+GUESSED_SHARE = 0.5  # share of the request that is guessed
 # Costs of a whole range that is given up. With the first a solve gets there, with the second it
 # keeps what is merely expensive: 14 to 20 degrees of hard jumps.
 PENALTIES = (200.0, 600.0)
 # One with which the corners of the range get somewhere, too; it gives up more than has to be.
-EASY = 30.0
-NOTHING = 1e-3  # of a range; what is given up below it may be nothing
-NEXT_TO_NOTHING = 0.015  # likewise, where what the rows keep of the limits counts
+LOW_PENALTY = 30.0
+LEAST_SHORTFALL = 1e-3  # of a range; what is given up below it may be nothing
+SHORTFALL_AT_LIMITS = 0.015  # likewise, where what the rows keep of the limits counts
 # More of what is given up, in shares of the ranges, where the first whole steps are too many. The
 # elastic solution gives up a millimetre of what is to be kept; a step less of the rest pays for it.
-STEP_FURTHER = (0.0, 0.003)
+EXTRA_SHORTFALLS_SOLVED = (0.0, 0.003)
 # Where the whole body objects to it as it is, much more.
-FURTHER = (0.0, 0.015, 0.05)
+EXTRA_SHORTFALLS = (0.0, 0.015, 0.05)
 # Of the ranges: where that much is given up another start may lead to less. From a guess without it
 # seven of ANYmal's corners, of twists of 180 degrees, keep up to 43 degrees more, and none less.
-FAR_OFF = 0.15
-FIRST = replace(solvers.FROM_GUESS, mu=0.1, iterations=100)
+LARGE_SHORTFALL = 0.15
+ELASTIC_FROM_GUESS = replace(solvers.FROM_GUESS, mu=0.1, iterations=100)
 # From where the plain problem was given up: 21 to 36 iterations, from the first guess 39 to 74.
-BEGUN = replace(solvers.FROM_GUESS, iterations=50)
-DEARER = replace(solvers.FROM_GUESS, iterations=80)  # 28 to 63 are needed
-# With the same penalty, and what the whole body says: 14 to 49, where DEARER takes 23 to 61.
-AGAIN = replace(DEARER, mu=1e-3, push=1e-3)
+ELASTIC_FROM_PLAIN = replace(solvers.FROM_GUESS, iterations=50)
+ELASTIC_DEARER = replace(solvers.FROM_GUESS, iterations=80)  # 28 to 63 are needed
+# With the same penalty, and what the whole body says: 14 to 49, where the one above takes 23 to 61.
+ELASTIC_AGAIN = replace(ELASTIC_DEARER, mu=1e-3, push=1e-3)
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +113,7 @@ class ElasticFormulation(Formulation):
         self, task: Task, last: Iterate, watch: Watch, near: bool = True, *, hurried: bool = False
     ) -> Attempt:
         """Not followed: what is given up changes too much for that."""
-        return self.solve(task, last.variables, watch, AGAIN)
+        return self.solve(task, last.variables, watch, ELASTIC_AGAIN)
 
     def done(self, task: Task, variables: Array) -> Jump:
         """The jump that a solution does."""
@@ -199,10 +199,10 @@ def find_nearest(
             break
     else:
         return None
-    if distance(task, elastic.task.jump) > FAR_OFF:
+    if distance(task, elastic.task.jump) > LARGE_SHORTFALL:
         elastic = _from_other_end(way, task, elastic, watch)
     first = None
-    if not _falls_short(elastic) and excess(elastic.violations) < NEAR_ENOUGH:
+    if not _falls_short(elastic) and excess(elastic.violations) < MAX_EXCESS_FOLLOWED:
         first = _in_whole_steps(way, elastic, watch)
         if first is not None and first.task.jump == task.jump:
             return Nearest(first, elastic, way)
@@ -230,7 +230,7 @@ def _from_other_end(way: ElasticFormulation, task: Task, elastic: Attempt, watch
     without: dict[str, Any] = {max(missing, key=missing.__getitem__): 0.0}
     less = replace(task.jump, **without)
     guess = way.to_elastic(task, way.plain.guess(retargeted(task, less)), less)
-    other = way.solve(task, guess, watch, FIRST)
+    other = way.solve(task, guess, watch, ELASTIC_FROM_GUESS)
     return min((elastic, other), key=lambda each: (not each.converged, each.solution.cost))
 
 
@@ -245,7 +245,7 @@ def _dearer(
     for penalty in (penalty for penalty in PENALTIES if penalty > way.penalty):
         way = replace(way, penalty=penalty)
         elastic = way.solve(
-            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, DEARER
+            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, ELASTIC_DEARER
         )
         if not elastic.converged:
             return
@@ -258,11 +258,11 @@ def starts(
     """Variables, options and penalty of one start after another."""
     if begun is not None:
         jump, variables = begun
-        yield formulation.to_elastic(task, variables, jump), BEGUN, PENALTIES[0]
-    less = scaled(task.jump, GUESSED)
+        yield formulation.to_elastic(task, variables, jump), ELASTIC_FROM_PLAIN, PENALTIES[0]
+    less = scaled(task.jump, GUESSED_SHARE)
     guess = formulation.to_elastic(task, formulation.plain.guess(retargeted(task, less)), less)
-    for penalty in (PENALTIES[0], EASY):
-        yield guess, FIRST, penalty
+    for penalty in (PENALTIES[0], LOW_PENALTY):
+        yield guess, ELASTIC_FROM_GUESS, penalty
 
 
 def _in_whole_steps(
@@ -278,7 +278,7 @@ def _in_whole_steps(
     start = formulation.to_plain(elastic.task, elastic.solution)
     shifted = formulation.with_shifted_bounds(elastic) if elastic.broken else elastic.task
     all_right = elastic.solved and stands(elastic.task)
-    further = STEP_FURTHER if all_right else FURTHER
+    further = EXTRA_SHORTFALLS_SOLVED if all_right else EXTRA_SHORTFALLS
     for jump in _rounded(elastic.task, further) if elastic.converged else ():
         task = replace(retargeted(shifted, jump), requested=None)
         attempt = plain.reconciled(plain.again(task, start, watch), watch)
@@ -305,7 +305,7 @@ def attempt_at_request(formulation: ElasticFormulation, elastic: Attempt) -> Att
 
 def _falls_short(elastic: Attempt) -> bool:
     """Whether the jump of an elastic problem's solution does less than was asked."""
-    return distance(elastic.task, elastic.task.jump) > NOTHING
+    return distance(elastic.task, elastic.task.jump) > LEAST_SHORTFALL
 
 
 def stands(task: Task) -> bool:
@@ -335,9 +335,9 @@ def _rounded(task: Task, furthers: Iterable[float]) -> Iterator[Jump]:
     """
     requested, reached = task.requested, task.jump
     assert requested is not None
-    if distance(task, reached) <= NEXT_TO_NOTHING:
+    if distance(task, reached) <= SHORTFALL_AT_LIMITS:
         yield requested
-    for further in furthers if distance(task, reached) > NOTHING else ():
+    for further in furthers if distance(task, reached) > LEAST_SHORTFALL else ():
         steps = {}
         for name, step in STEPS.items():
             whole, value = getattr(requested, name), getattr(reached, name)

@@ -49,7 +49,7 @@ BY_NEARER = "by way of nearer jumps"
 NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
 # From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
 # ten are planned by then, of other robots' 98 in 100.
-HURRIED = replace(solvers.FROM_GUESS, iterations=35)
+FROM_GUESS_FIRST = replace(solvers.FROM_GUESS, iterations=35)
 
 
 class Planner:
@@ -315,7 +315,7 @@ class Planner:
         if nearby is not None:
             yield NEARBY, lambda: self._from_solution(task, *nearby, watch)
         if nearby is None or not hurried:
-            options = HURRIED if hurried else solve_options(task)
+            options = FROM_GUESS_FIRST if hurried else solve_options(task)
             solve = partial(self.formulation.solve, task, guess(task), watch, options)
             yield "from the analytic guess", solve
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.answer.nearest import DEARER, NOTHING, Nearest, distance
+from llsrbm.planning.answer.nearest import ELASTIC_DEARER, LEAST_SHORTFALL, Nearest, distance
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.jump_horizon import row_bounds, row_places
 from llsrbm.planning.problem.limits import Limit, limits_in
@@ -43,7 +43,7 @@ STEP, LEAST = 0.01, 0.01
 FEW = 0.1
 # How loose a limit has to be: times as much as multipliers say, and after that times as much as the
 # try before says. It is given up after so many, or where one regains less than this share.
-FIRST_TRY, NEXT_TRY, TRIES, REGAINED = 1.8, 1.6, 3, 0.3
+FIRST_TRY, NEXT_TRY, MAX_TRIES, REGAINED = 1.8, 1.6, 3, 0.3
 NAMED = 2  # limits at most
 
 
@@ -164,7 +164,7 @@ def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
     """
     value, missing = gain.value, _missing(nearest.elastic)
     step = gain.looser * FIRST_TRY * missing / max(gain.slope, 1e-9)
-    for _ in range(TRIES):
+    for _ in range(MAX_TRIES):
         end = gain.limit.loosest
         step = math.copysign(min(abs(step), abs(end - value)), step)
         if not step:
@@ -173,7 +173,7 @@ def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
         free = _free(nearest, gain, value, watch)
         if not free.converged:
             return None
-        if (left := _missing(free)) < NOTHING:
+        if (left := _missing(free)) < LEAST_SHORTFALL:
             return _demand(gain, value, free)
         if left > (1 - REGAINED) * missing:
             return None
@@ -211,7 +211,7 @@ def _free(nearest: Nearest, gain: Gain, value: float, watch: Watch) -> Attempt:
     own = {gain.constraint.name, *(c.name for c in _limited_too(gain.constraint))}
     kept = {name: b for name, b in elastic.task.agreed_bounds.items() if name not in own}
     task = gain.limit.put(replace(elastic.task, agreed_bounds=kept), value)
-    return form.solve(task, elastic.solution.variables, watch, DEARER)
+    return form.solve(task, elastic.solution.variables, watch, ELASTIC_DEARER)
 
 
 def _at_limit(nearest: Nearest, gain: Gain) -> Stop:

@@ -40,28 +40,28 @@ Array = NDArray[np.float64]
 
 # Solves from a near solution before planning starts from a guess instead. The second corrects small
 # violations that the first leaves: a bound passed by a long step, or rows that Fatrop had scaled.
-FOLLOWS = 2
+MAX_FOLLOWS = 2
 # Where following creeps.
-CLOSE = replace(FROM_GUESS, mu=1e-3, push=0.01, iterations=60)
+FROM_CLOSE = replace(FROM_GUESS, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
 # Such solves; each takes the error down by some nine tenths.
-CORRECTIONS = 3
+MAX_CORRECTIONS = 3
 # Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
 # excess down to this share of what it was.
-SHIFTS = 6
-SHRINKS = 0.8
+MAX_SHIFTS = 6
+MAX_SHRINK = 0.8
 # Excess up to which following is tried first: from further off one in fifteen gets there so.
-NEAR_ENOUGH = 0.2
+MAX_EXCESS_FOLLOWED = 0.2
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 40 to 60.
 # The larger push takes fewer; with flight times from 20 % below the guess's to 20 % above 19 of 20
 # are found.
-CAUTIOUS = replace(FROM_GUESS, iterations=75, push=0.2)
+FROM_FLIP_GUESS = replace(FROM_GUESS, iterations=75, push=0.2)
 
 
 def solve_options(task: Task) -> SolveOptions:
     """Start and end of a task's solve from a guess."""
-    return CAUTIOUS if task.jump.turns else FROM_GUESS
+    return FROM_FLIP_GUESS if task.jump.turns else FROM_GUESS
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class Formulation:
     model: CentroidalModel
     layout: Layout
     solver: Solver
-    shifts: ClassVar[int] = SHIFTS  # at most, of `reconciled`
+    shifts: ClassVar[int] = MAX_SHIFTS  # at most, of `reconciled`
     # Constraints that `reconciled` may satisfy by solving again with the results of the check.
     mended: ClassVar[frozenset[str]] = frozenset(c.name for c in AGREED) | CORRECTED
 
@@ -152,7 +152,7 @@ class Formulation:
         """Solve from a near solution."""
         problem = self.problem(task)
         attempts: list[Attempt] = []
-        for _ in range(FOLLOWS):
+        for _ in range(MAX_FOLLOWS):
             solve = partial(self.solver.follow, problem, start)
             last = self.judged(task, watch.over(solve))
             attempts.append(last)
@@ -173,21 +173,21 @@ class Formulation:
         by what they differ from the whole body's torques, speeds and angles.
         """
         attempts = [attempt]
-        while len(attempts) <= CORRECTIONS and attempts[-1].broken & CORRECTED:
+        while len(attempts) <= MAX_CORRECTIONS and attempts[-1].broken & CORRECTED:
             last = attempts[-1]
             task = corrected(last)
             # A flip that is solved from far again ends in another motion, with another correction.
-            options = CLOSE if task.jump.turns else FROM_GUESS
+            options = FROM_CLOSE if task.jump.turns else FROM_GUESS
             attempts.append(self.solve(task, last.solution.variables, watch, options))
         last = attempts[-1]
         for _ in range(self.shifts):
             if not last.broken or not last.broken <= self.mended:
                 break
             task = self.with_shifted_bounds(last)
-            near = excess(last.violations) < NEAR_ENOUGH
+            near = excess(last.violations) < MAX_EXCESS_FOLLOWED
             attempts.append(self.again(task, last.solution, watch, near, hurried=hurried))
             before, last = last, attempts[-1]
-            if excess(last.violations) > SHRINKS * excess(before.violations):
+            if excess(last.violations) > MAX_SHRINK * excess(before.violations):
                 break
         return best_of(attempts)
 
@@ -222,7 +222,7 @@ class Formulation:
         """
         tried = [self.follow(task, last, watch)] if near else []
         if not tried or not (tried[-1].converged or hurried):
-            tried.append(self.solve(task, last.variables, watch, CLOSE))
+            tried.append(self.solve(task, last.variables, watch, FROM_CLOSE))
         return best_of(tried)
 
     def plan(self, attempt: Attempt, attempts: int, solve_time: float, begun: float) -> Plan:

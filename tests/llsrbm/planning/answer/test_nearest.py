@@ -152,7 +152,9 @@ def test_nothing_changes_sign_or_grows():
 def test_by_way_of_nearer_jumps_all_of_it_may_be_found(monkeypatch):
     """A twist with everything else, to which no guess leads at once."""
     jump = Jump(twist=-2.0515, forward=0.2595, lateral=0.0304, height=0.0872)
-    monkeypatch.setattr("llsrbm.planning.answer.planner.HURRIED", replace(FROM_GUESS, iterations=5))
+    monkeypatch.setattr(
+        "llsrbm.planning.answer.planner.FROM_GUESS_FIRST", replace(FROM_GUESS, iterations=5)
+    )
     said = []
     plan = llsrbm.plan(jump, guesses=False, progress=said.append)
     assert plan.jump == jump
