@@ -97,11 +97,14 @@ def turns_between(start: Array, end: Array, *, body_axes: bool = False) -> Array
     return vectors.reshape(*start.shape[:-1], 3)
 
 
-def interpolated(time: Array, known: Array, values: Array) -> Array:
-    """Values (K, ...) at `time` (K,) of those (N, ...) at `known` (N,), straight between them."""
+def interpolated(time: Array | float, known: Array, values: Array) -> Array:
+    """Values (K, ...) at `time` (K,), or (...) at one time, straight between those at `known`.
+
+    `known`: (N,); `values`: (N, ...), of which the first and the last hold beyond them.
+    """
     flat = values.reshape(len(known), -1)
-    found = np.stack([np.interp(time, known, column) for column in flat.T], axis=1)
-    return found.reshape(len(time), *values.shape[1:])
+    found = np.stack([np.interp(time, known, column) for column in flat.T], axis=-1)
+    return found.reshape(*np.shape(time), *values.shape[1:])
 
 
 def sign_continuous(quat: Array) -> Array:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from llsrbm.mechanics import GRAVITY, sign_continuous
+from llsrbm.mechanics import GRAVITY, interpolated, sign_continuous
 from llsrbm.models import free_arms_of, make_model
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp import solvers
@@ -32,7 +32,6 @@ from llsrbm.planning.problem.task import Footholds, InMotion, Task, contact_poin
 from llsrbm.planning.replan.under_way import (
     State,
     falling_time,
-    interpolated,
     plan_quat,
     planned_state,
     relaxed_limits,
@@ -204,7 +203,7 @@ class Replanner:
         low, high = task.times(state.phase)
         least = low - elapsed
         if self._falls(state.phase):  # and is down before where it was pushed down
-            landing = interpolated(plan.time, plan.com, float(plan.phase_start[state.phase + 1]))
+            landing = interpolated(float(plan.phase_start[state.phase + 1]), plan.time, plan.com)
             least = min(least, falling_time(state.com[2] - landing[2], state.com_velocity[2]))
         least = max(least, SHORTEST)
         rest = self._rest(state.phase, (least, max(high - elapsed, least) + MAX_EXTENSION))
@@ -293,13 +292,13 @@ class Replanner:
         plan, flying = self.plan, self._falls(state.phase)
         starts = plan.phase_start[state.phase :].copy()
         starts[0] = state.time
-        landing = interpolated(plan.time, plan.com, starts[1])
+        landing = interpolated(starts[1], plan.time, plan.com)
         durations = self._durations(task, starts, landing, state)
         # Of the plan: a flight that takes longer is as far at the same share of it.
         times = starts[layout.phase] + layout.progress * np.diff(starts)[layout.phase]
         since = layout.progress * durations[0]
         com, velocity, momentum, quat, omega, feet, joints = (
-            interpolated(plan.time, getattr(plan, name), times) for name in SAMPLED
+            interpolated(times, plan.time, getattr(plan, name)) for name in SAMPLED
         )
         shift = np.zeros(3)
         fading = 1 - (times - state.time)[:, None] / (starts[-1] - state.time)
@@ -361,7 +360,7 @@ class Replanner:
     def _spliced(self, knots: Knots, state: State) -> Plan:
         """The plan until the state, and what was found from there on."""
         plan = self.plan
-        near = interpolated(plan.time, plan.joint_position, state.time + knots.time)
+        near = interpolated(state.time + knots.time, plan.time, plan.joint_position)
         knots = replace(knots, near_angles=near)
         before = plan.time < state.time - SAME_TIME
         before |= (plan.phase < state.phase) & (plan.time < state.time - 1e-6)

@@ -101,17 +101,6 @@ def falling_time(height: float, speed: float) -> float:
     return float((speed + np.sqrt(under_root)) / GRAVITY) if under_root > 0 else 0.0
 
 
-def interpolated(time: Array, values: Array, at: Array | float) -> Array:
-    """Values (N+1, ...) at other times, (K, ...) or of one time (...), straight between knots."""
-    flat = values.reshape(len(time), -1)
-    at_all = np.atleast_1d(at)
-    index = np.clip(np.searchsorted(time, at_all, side="right") - 1, 0, len(time) - 2)
-    share = np.clip((at_all - time[index]) / np.diff(time)[index], 0.0, 1.0)[:, None]
-    found = (1 - share) * flat[index] + share * flat[index + 1]
-    shaped: Array = found.reshape(len(at_all), *values.shape[1:])
-    return shaped if np.ndim(at) else shaped[0]
-
-
 def plan_quat(plan: Plan, time: float) -> Array:
     """(4,) of the nearest knot, with the plan's sign."""
     quat: Array = plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]

@@ -9,9 +9,10 @@ import pytest
 
 import llsrbm
 from llsrbm.body.momentum import momentum_and_inertia
+from llsrbm.mechanics import interpolated
 from llsrbm.motion.realised import realised
 from llsrbm.planning.replan.replanner import Replanner
-from llsrbm.planning.replan.under_way import interpolated, planned_state
+from llsrbm.planning.replan.under_way import planned_state
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.robots import load_robot
 
@@ -89,12 +90,12 @@ def test_what_remains_is_planned_anew_from_arms_in_motion():
     replanner = Replanner(plan(), ROBOT)
     state = planned_state(plan(), 1)
     time = state.time + 0.05
-    joints = interpolated(plan().time, plan().joint_position, state.time)
-    speeds = interpolated(plan().time, plan().joint_velocity, state.time)
+    joints = interpolated(state.time, plan().time, plan().joint_position)
+    speeds = interpolated(state.time, plan().time, plan().joint_velocity)
     answer = replanner.replan(replace(state, joints=joints, joint_speeds=speeds))
     assert answer.plan is not None
-    new = interpolated(answer.plan.time, answer.plan.joint_position, time)[ARMS]
-    old = interpolated(plan().time, plan().joint_position, time)[ARMS]
+    new = interpolated(time, answer.plan.time, answer.plan.joint_position)[ARMS]
+    old = interpolated(time, plan().time, plan().joint_position)[ARMS]
     assert np.abs(new - old).max() < 0.5
 
 

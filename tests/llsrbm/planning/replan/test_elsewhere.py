@@ -5,9 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+from llsrbm.mechanics import interpolated
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.replan.replanner import Replanner
-from llsrbm.planning.replan.under_way import interpolated
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -68,7 +68,7 @@ def test_what_is_planned_anew_does_not_depend_on_the_heading(phase):
         replanner._task = there.task(replanner._task)
         new = replanner.replan(there.state(at)).plan
         assert new.phase_start == pytest.approx(here.phase_start, abs=5e-3)
-        com = interpolated(new.time, new.com, here.time)
+        com = interpolated(here.time, new.time, new.com)
         np.testing.assert_allclose(com, there.points(here.com), atol=5e-3)
         feet = there.points(here.foot_position[-1])
         np.testing.assert_allclose(new.foot_position[-1], feet, atol=5e-3)

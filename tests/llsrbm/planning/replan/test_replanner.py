@@ -12,9 +12,10 @@ import llsrbm
 from llsrbm.control.reference import Reference
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
+from llsrbm.mechanics import interpolated
 from llsrbm.planning.problem.constraints.drives import TORQUE_ALLOWANCE
 from llsrbm.planning.replan.replanner import MAX_EXTENSION, Replanner
-from llsrbm.planning.replan.under_way import NEED_TORQUE, State, interpolated, planned_state
+from llsrbm.planning.replan.under_way import NEED_TORQUE, State, planned_state
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import solved
 
@@ -33,10 +34,10 @@ def state(time, phase, *, velocity=(0.0, 0.0, 0.0), momentum=(0.0, 0.0, 0.0)):
     """On the plan at a time, s, but for what a push has added."""
     of = plan()
     at = {
-        name: interpolated(of.time, getattr(of, name), time)
+        name: interpolated(time, of.time, getattr(of, name))
         for name in ("com", "com_velocity", "base_quat", "angular_velocity", "angular_momentum")
     }
-    before, after = (interpolated(of.time, of.foot_position, time + dt) for dt in (-SLOWER, SLOWER))
+    before, after = (interpolated(time + dt, of.time, of.foot_position) for dt in (-SLOWER, SLOWER))
     return State(
         time=time,
         phase=phase,
@@ -45,12 +46,12 @@ def state(time, phase, *, velocity=(0.0, 0.0, 0.0), momentum=(0.0, 0.0, 0.0)):
         base_quat=at["base_quat"] / np.linalg.norm(at["base_quat"]),
         angular_velocity=at["angular_velocity"],
         angular_momentum=at["angular_momentum"] + momentum,
-        foot_position=interpolated(of.time, of.foot_position, time),
+        foot_position=interpolated(time, of.time, of.foot_position),
         foot_velocity=(after - before) / (2 * SLOWER) + velocity,
         foot_yaw=np.zeros(4),
         foot_yaw_rate=np.zeros(4),
-        joints=interpolated(of.time, of.joint_position, time),
-        joint_speeds=interpolated(of.time, of.joint_velocity, time),
+        joints=interpolated(time, of.time, of.joint_position),
+        joint_speeds=interpolated(time, of.time, of.joint_velocity),
     )
 
 
@@ -75,7 +76,7 @@ def test_where_nothing_has_happened_the_plan_stays():
     assert new.com[-1] == pytest.approx(plan().com[-1], abs=2e-3)
     assert new.foot_position[-1] == pytest.approx(plan().foot_position[-1], abs=2e-3)
     times = np.linspace(start, plan().time[-1], 50)
-    off = interpolated(new.time, new.com, times) - interpolated(plan().time, plan().com, times)
+    off = interpolated(times, new.time, new.com) - interpolated(times, plan().time, plan().com)
     assert np.abs(off).max() < 0.02
 
 
