@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.control.delay import Measurement
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
@@ -162,15 +163,17 @@ class ContactSchedule:
             self._seek(self._schedule.lands(phase), time)
         return False
 
-    def find_contacts(self, time: float, torque: Array, v: Array, *, hit: bool) -> None:
-        """Find the feet that have met the ground at `time`, s, with torques (J,) of the last tick.
+    def find_contacts(self, measured: Measurement, com_velocity: Array, *, hit: bool) -> None:
+        """Find the feet that have met the ground, as far as is measured.
 
-        `v`: (n,) measured: what is foreseen of the body, its feet do that the ground has stopped.
-        `hit`: whether something was hit, as the detector says; counts in flight, if with the feet.
+        What is foreseen of the body, its feet do that the ground has stopped. `com_velocity`: (3,)
+        m/s, measured. `hit`: whether something was hit, as the detector says; counts in flight, if
+        with the feet.
         """
         if self.phase == 0:
             return
-        loaded = self._feet.update(torque, v)
+        time, v = measured.time, measured.v
+        loaded = self._feet.update(measured.torque, v, com_velocity)
         self._light = np.where(loaded | ~self.standing, 0, self._light + 1)
         if self.flying:
             if hit and self._feet.met_ground():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,10 +142,9 @@ class WholeBodyController:
         self._unmodelled.measured(measured.v, self._delay.acted(), contacts.standing)
         foreseen = self._delay.met(measured, body)
         flew = contacts.flying
-        measurement = measured if flew else foreseen
-        time = measurement.time
-        body.update(measurement.q, measurement.v)
-        if contacts.follow_clock(time):
+        known = measured if flew else foreseen
+        (body.update_momentum if flew else body.update)(known.q, known.v)
+        if contacts.follow_clock(known.time):
             self.detector.reset()
         flying = contacts.flying
         state = CentroidalState(
@@ -156,14 +155,17 @@ class WholeBodyController:
             body.trunk_momentum if flying else _NOT_NEEDED,
         )
         hit = flying and self.detector.update(state)
-        contacts.find_contacts(measured.time, measured.torque, measured.v, hit=hit)
-        landed = flying and not contacts.flying
-        if landed:
+        if flew:  # what is foreseen has not met the ground
+            known = measured if hit else foreseen
+            body.update(known.q, known.v)
+        contacts.find_contacts(measured, state.com_velocity, hit=hit)
+        if flying and not contacts.flying:
             planned = self._reference.late(contacts.phase - 1).com_velocity[2]
             self._momentum_share = float(body.com_velocity[2] / min(planned, _SINKING))
-        if flew and contacts.flying:  # nothing was hit: what follows is for what will be met
-            time = foreseen.time
-            body.update(foreseen.q, foreseen.v)
+        elif hit:  # not by the ground
+            known = foreseen
+            body.update(known.q, known.v)
+        time = known.time
         target = self._target(time)
         mode = self._mode(time)
         command = self._solve(target, mode, time)
@@ -193,7 +195,7 @@ class WholeBodyController:
         if contacts.flying:
             if time > self.flights[-1].touchdown - JUST_AFTER:
                 target = self._reference.late(contacts.phase)
-                target = replace(target, foot_from_com=target.foot_from_com + self._stretch)
+                target = target._replace(foot_from_com=target.foot_from_com + self._stretch)
             else:
                 target = self._reaching(target)
                 if self._reference.plan.jump.turns:
@@ -201,7 +203,7 @@ class WholeBodyController:
                     target = leaving(target, self._body, since, contacts.foothold[:, 2])
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
-        return replace(target, com=raised, com_acceleration=acceleration)
+        return target._replace(com=raised, com_acceleration=acceleration)
 
     def _reaching(self, target: Target) -> Target:
         """Feet in flight that meet the ground at the planned time, however high the CoM flies.
@@ -214,8 +216,7 @@ class WholeBodyController:
         rate = np.zeros(3)
         if abs(above) < _STRETCH:
             rate[2] = target.com_velocity[2] - self._body.com_velocity[2]
-        return replace(
-            target,
+        return target._replace(
             foot_from_com=target.foot_from_com + self._stretch,
             foot_velocity_from_com=target.foot_velocity_from_com + rate,
         )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,12 +46,16 @@ class DelayEstimate:
 
     def sent(self, command: Command) -> None:
         """Take note of the command of a tick."""
+        if not self._sent:
+            self._torques = np.zeros((self._sent.maxlen or 0, len(command.torque)))
         self._sent.appendleft(command)
+        self._torques[1:] = self._torques[:-1]
+        self._torques[0] = command.torque
 
     def measured(self, torque: Array) -> None:
         """Take note of the torques (J,) of the tick that ended."""
         if len(self._sent) == self._sent.maxlen:
-            sent = np.array([command.torque for command in self._sent][self._whole :])
+            sent = self._torques[self._whole :]
             come = (1 - self._part) * sent[:-1] + self._part * sent[1:]
             self._misses += np.abs(torque - come).sum(axis=1)
             self.ticks = int(self._misses.argmin())
@@ -79,4 +83,4 @@ class DelayEstimate:
             after = v + command.acceleration * duration
             q = body.moved(q, (v + after) / 2 * duration)
             time, v = time + duration, after
-        return replace(measurement, time=time, q=q, v=v)
+        return Measurement(time, q, v, measurement.torque)

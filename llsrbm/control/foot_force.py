@@ -75,10 +75,10 @@ class FootForces:
         self._impulse.reset()
         self._touching[:] = 0
 
-    def update(self, torque: Array, v: Array) -> NDArray[np.bool_]:
+    def update(self, torque: Array, v: Array, com_velocity: Array) -> NDArray[np.bool_]:
         """Feet that carry load, (L,). `torque`: (J,) measured, mean of the tick that ended.
 
-        `v`: (n,) measured at its end.
+        `v`: (n,) measured at its end; `com_velocity`: (3,) m/s likewise.
         """
         body = self._body
         if self._equations is not None:
@@ -91,7 +91,7 @@ class FootForces:
             if failed:
                 raise np.linalg.LinAlgError("the legs' equations are singular")
             # Not smoothed: the errors of its sum over ticks cancel.
-            self._impulse.update(body.com_velocity, force.reshape(-1, 3).sum(axis=0))
+            self._impulse.update(com_velocity, force.reshape(-1, 3).sum(axis=0))
             self.vertical += _SMOOTHING * (force[2::3] - self.vertical)
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)

@@ -27,6 +27,7 @@ BRAKING = 0.9
 SPEED = 1.1  # of the drive's; plans may reach it at lift-off, and held to it robots jump too low
 REACTION = 0.005  # s; torques come up to a tick late, and measured speeds are noisy
 RETURN = 0.02  # s
+_BOTH = np.array([[1.0], [-1.0]])  # towards the lower stop and the upper one
 
 
 class JointBounds:
@@ -46,8 +47,7 @@ class JointBounds:
         """
         q, v = body.q[7:], body.v[6:]
         braking = self._torque / body.M.diagonal()[6:]
-        # Towards the lower stop and the upper one, (2, J).
-        left, rate = np.stack([q, -q]) - self._stops, np.stack([v, -v])
+        left, rate = _BOTH * q - self._stops, _BOTH * v
         least = least_acceleration(left, rate, braking, self._speed)
         return np.minimum(least[0], -least[1]), np.maximum(-least[1], least[0])
 

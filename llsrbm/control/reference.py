@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,7 @@ _SAMPLED = (
 BRAKING = 0.3  # s in which a robot that keeps some speed comes to rest after the plan's end
 
 
-@dataclass(frozen=True, eq=False)
-class Target:
+class Target(NamedTuple):
     """The motion wanted at one instant: L legs, C contacts, J joints; world frame, SI units."""
 
     com: Array  # (3,)
@@ -103,15 +102,14 @@ class Reference:
             )
         }
         heading = first.foot_heading * [1.0, 0.0, 0.0]
-        return replace(first, contact_force=force, foot_heading=heading, **still)
+        return first._replace(contact_force=force, foot_heading=heading, **still)
 
     def late(self, flight: int) -> Target:
         """The target in a flight after its planned touchdown: legs held as they should land."""
         if flight not in self._late:
             last = self.at(float(self.plan.phase_start[flight + 1]) - _JUST_BEFORE)
             still = np.zeros_like(last.foot_from_com)
-            self._late[flight] = replace(
-                last,
+            self._late[flight] = last._replace(
                 foot_velocity_from_com=still,
                 foot_acceleration_from_com=still,
                 foot_heading=last.foot_heading * [1.0, 0.0, 0.0],

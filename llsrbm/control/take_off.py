@@ -15,8 +15,6 @@ squares of those, of df and of e on the way least, are found backwards from lift
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
@@ -75,8 +73,7 @@ class TakeOff:
             ]
         )
         acceleration, momentum_rate = (gain @ error for gain in gains)
-        return replace(
-            target,
+        return target._replace(
             com=np.append(body.com[:2], target.com[2]),
             com_velocity=np.append(body.com_velocity[:2], target.com_velocity[2]),
             com_acceleration=target.com_acceleration + np.append(acceleration, 0.0),
@@ -156,8 +153,7 @@ def leaving(target: Target, body: WholeBody, since: float, ground: Array) -> Tar
     if since >= _LEAVING or not low.any():
         return target
     across = low[:, None] & [True, True, False]
-    return replace(
-        target,
+    return target._replace(
         foot_from_com=np.where(across, body.foot - body.com, target.foot_from_com),
         foot_velocity_from_com=np.where(across, -body.com_velocity, target.foot_velocity_from_com),
         foot_acceleration_from_com=np.where(across, 0.0, target.foot_acceleration_from_com),

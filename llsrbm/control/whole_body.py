@@ -126,6 +126,14 @@ class WholeBody:
         self.angular_velocity = self.R_world_base @ v[3:6]
         self._update_feet()
 
+    def update_momentum(self, q: Array, v: Array) -> None:
+        """Take a state as `update` does, of which only momenta, inertia and the trunk are asked."""
+        self.q, self.v, data = q, v, self.data
+        pin.ccrba(self._model, data, q, v)
+        self.com, self.com_velocity = data.com[0], data.hg.linear / self.mass
+        self.angular_momentum, self.inertia = data.hg.angular.copy(), data.Ig.inertia
+        self.R_world_base = data.oMi[1].rotation
+
     def moved(self, q: Array, by: Array) -> Array:
         """(nq,) the configuration q (nq,), moved by (n,): a velocity times a time."""
         return np.asarray(pin.integrate(self._model, q, by))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.control.contact_schedule import ContactSchedule
+from llsrbm.control.delay import Measurement
 from llsrbm.request.schedule import Phase
 from tests.llsrbm.schedules import in_a_row, with_schedule
 from tests.llsrbm.synthetic import synthetic_plan
@@ -32,7 +33,7 @@ class Robot:
         self.resets = 0
         self.with_feet = True
 
-    def update(self, torque, v):
+    def update(self, torque, v, com_velocity):
         return self.loaded
 
     def reset(self):
@@ -55,7 +56,10 @@ class Run:
         time = self.ticks * TICK
         if self.contacts.follow_clock(time):
             self.begun.append(time)
-        self.contacts.find_contacts(time, np.zeros(12), self.robot.foot_velocity[:, 2], hit=hit)
+        v = self.robot.foot_velocity[:, 2]
+        self.contacts.find_contacts(
+            Measurement(time, np.zeros(19), v, np.zeros(12)), np.zeros(3), hit=hit
+        )
         self.ticks += 1
         return self.contacts
 

@@ -32,7 +32,7 @@ class Falling:
         guess = self.rng.normal(scale=50, size=18) * self.foreseen  # the ground is not foreseen
         q = pin.integrate(self.robot.model, self.q, (measured + guess / 2) * self.foreseen)
         self.body.update(q, measured + guess)
-        touching = self.estimate.update(self.torque, measured)
+        touching = self.estimate.update(self.torque, measured, self.body.com_velocity)
         truth = WholeBody(self.robot)
         truth.update(self.q, self.v)
         pushed = np.einsum("lin,li->n", truth.contact_jacobian, self.force)

@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -51,8 +49,7 @@ def test_angular_momentum_changes_as_jacobian_and_bias_say(name):
     robot = load_robot(name)
     a = 3.0 * np.random.default_rng(1).standard_normal(robot.model.nv)
     now = moved(SEED, a, 0.0, name)
-    target = replace(
-        resting_target(len(robot.legs), len(robot.joint_names)),
+    target = resting_target(len(robot.legs), len(robot.joint_names))._replace(
         angular_momentum=np.array([1.0, -2.0, 3.0]),
         angular_momentum_rate=np.array([5.0, 4.0, -6.0]),
     )
@@ -78,7 +75,7 @@ def test_foot_orientation_follows_from_its_jacobian():
 
 def test_foot_orientation_wants_a_level_sole_with_the_plans_heading():
     heading = 0.4
-    target = replace(resting_target(2), foot_heading=np.array([[heading, 0.5, 2.0]] * 2))
+    target = resting_target(2)._replace(foot_heading=np.array([[heading, 0.5, 2.0]] * 2))
     robot = load_robot("slider")
     body = WholeBody(robot)
     body.update(robot.posture, np.zeros(robot.model.nv))
@@ -112,7 +109,7 @@ def test_several_feet_are_those_feet_one_after_the_other(task, feet):
 def test_swing_foot_is_measured_from_the_com(seed):
     """Its Jacobian is the foot's own; the task adds the CoM's acceleration, the target's."""
     falling = np.array([0.5, 0.0, -9.81])
-    target = replace(resting_target(), com_acceleration=falling)
+    target = resting_target()._replace(com_acceleration=falling)
     body = moved(seed, np.zeros(18), 0.0)
     motion = ALL["swing"].motion(body, target)
     np.testing.assert_allclose(motion.error, body.com - body.foot[2], atol=1e-12)
@@ -158,7 +155,7 @@ def test_command_adds_feedback():
 
 def test_arms_swing_as_planned_and_other_joints_only_come_back():
     joints = range(3, 6)
-    wanted = replace(resting_target(), joint_acceleration=np.arange(12.0))
+    wanted = resting_target()._replace(joint_acceleration=np.arange(12.0))
     now = moved(SEED, np.zeros(18), 0.0)
     arms, others = (kind(joints, 18, (9.0, 6.0)) for kind in (tasks.Arms, tasks.Posture))
     np.testing.assert_allclose(arms.motion(now, wanted).feedforward, [3.0, 4.0, 5.0])
