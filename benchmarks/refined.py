@@ -1,16 +1,21 @@
-"""The second stage on random requests: convergence, effort, and an outside look at its plans.
+"""The whole body's plans on random requests: convergence, effort, certificates, landings.
 
     python -m benchmarks.refined --robots go2,anymal,slider,g1 --requests 40 --seed 7200
 
 Requests are those of `benchmarks.range`. Each is planned from a table or the analytic guess,
 without a search for the nearest one, and what is planned is refined in the same process. Times are
 those in the solvers, compiled where there is a compiler (`--compiled` waits for it), in CasADi's
-virtual machine with LLSRBM_COMPILE=0. Stops, inverse dynamics and standing feet are Pinocchio's, at
-1 kHz: RMS and worst difference of its torques from the planned ones, as shares of the drives'.
+virtual machine with LLSRBM_COMPILE=0; "processor" is the processor's time for the whole body's
+plan over that for the first one, whole calls. Stops, inverse dynamics and standing feet are
+Pinocchio's, at 1 kHz: RMS and worst difference of its torques from the planned ones, as shares of
+the drives'. Certificates are those of `llsrbm.certify`; strict, of the first and of the whole
+body's plan, simulated with everything disturbed, as in `benchmarks.range`.
 """
 
 from __future__ import annotations
 
+import time
+from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any
@@ -43,15 +48,21 @@ def one(
     """Plan and refine one request, `share` of its displacement; `settle`: by compiled solvers."""
     motion = {name: share * request[name] for name in COMPONENTS if name in request}
     jump = with_defaults(llsrbm.Jump(robot=request["robot"], type=kind, **motion))
+    begun = time.process_time()
     try:
         if settle:
             planner_of(jump).formulation.solver.settle()
+            begun = time.process_time()
         first = llsrbm.plan(jump, patient=False, explains=False)
     except (llsrbm.NotConverged, llsrbm.InputError) as error:
         return {**request, "planned": False, "why": str(error)}
+    planned = time.process_time()
+    refiner = refiner_of(first)
     if settle:
-        refiner_of(first).solver.settle()
+        refiner.solver.settle()
+    built = time.process_time()
     second = refined(first)
+    processor = (time.process_time() - built) / (planned - begun)
     report = second.refinement
     assert report is not None
     result = {
@@ -63,12 +74,27 @@ def one(
         "second_s": report.solve_time_s,
         "total_s": report.total_time_s,
         "compiled": not report.compiling,
+        "processor": processor,
+        "strict_before": strict(first, request["seed"]),
     }
     if not second.refined:
         return result
-    found = refiner_of(first).last
-    assert found is not None
-    return result | looked_at(first, second, found)
+    certificate = llsrbm.certify(second)
+    assert refiner.last is not None
+    return (
+        result
+        | looked_at(first, second, refiner.last)
+        | {
+            "holds": certificate.holds,
+            "broken": [(each.name, each.worst) for each in certificate.broken],
+            "strict": strict(second, request["seed"]),
+        }
+    )
+
+
+def strict(plan: llsrbm.Plan, seed: int) -> bool:
+    """Whether a plan lands strictly with everything disturbed."""
+    return llsrbm.simulate(plan, seed=seed).outcome.strict
 
 
 def looked_at(first: llsrbm.Plan, second: llsrbm.Plan, motion: Motion) -> dict[str, Any]:
@@ -78,10 +104,11 @@ def looked_at(first: llsrbm.Plan, second: llsrbm.Plan, motion: Motion) -> dict[s
     lacking = np.abs(joint_loads(robot, KnotMotion.of_plan(first)).base_residual)
     middles = motion.at((second.time[1:] + second.time[:-1]) / 2)
     left = np.abs(efforts(robot, middles.q, middles.v, middles.a, middles.force)[:, :6])
-    time = np.arange(0.0, second.time[-1], STEP)
-    at = motion.at(time)
+    instants = np.arange(0.0, second.time[-1], STEP)
+    at = motion.at(instants)
     needed = efforts(robot, at.q, at.v, at.a, at.force)
-    off = (needed[:, 6:] - motion.between(second.joint_torque[:-1], time)) / robot.torque_limit
+    planned = motion.between(second.joint_torque[:-1], instants)
+    off = (needed[:, 6:] - planned) / robot.torque_limit
     available = torque_in_direction(robot, at.v[:, 6:], needed[:, 6:])
     return {
         "stop_before": beyond_stops(robot, first.joint_position),
@@ -92,7 +119,7 @@ def looked_at(first: llsrbm.Plan, second: llsrbm.Plan, motion: Motion) -> dict[s
         "torque_rms": float(np.sqrt(np.mean(off**2))),
         "torque_worst": float(np.abs(off).max()),
         "drive_share": float(torque_share(needed[:, 6:], available).max()),
-        **standing_feet(robot, second, time, at),
+        **standing_feet(robot, second, instants, at),
     }
 
 
@@ -126,6 +153,7 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
         "robot     type           plans refined  iterations     first  second  times (p95)   "
         "stop [mrad]    base    moment   torque RMS worst  drive  drift  slip"
     )
+    yield "                         hold  strict, before  processor (p95)  what does not hold"
     for robot, kind in dict.fromkeys((r["robot"], r["type"]) for r in results):
         rows = [r for r in results if (r["robot"], r["type"]) == (robot, kind) and r["planned"]]
         good = [r for r in rows if r["refined"]]
@@ -146,9 +174,16 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
             f"{100 * of['torque_worst'].max():5.1f} {of['drive_share'].max():5.2f} "
             f"{1e3 * of['drift'].max():5.1f} {of['slip'].max():5.2f}"
         )
+        shares = of["processor"]
+        broken = Counter(name for each in good for name, _ in each["broken"])
+        yield (
+            f"{'':24} {of['holds'].sum():4.0f} {of['strict'].sum():7.0f} "
+            f"{sum(r['strict_before'] for r in rows):7} "
+            f"{np.median(shares):10.2f} ({np.percentile(shares, 95):5.2f})  {dict(broken)}"
+        )
 
 
-_TEXTS = ("robot", "kind", "type", "seed", "planned", "refined", "compiled", *COMPONENTS)
+_TEXTS = ("robot", "kind", "type", "seed", "planned", "refined", "compiled", "broken", *COMPONENTS)
 
 
 def main(

@@ -72,7 +72,8 @@ class Slip(Check):
 
     worst: the largest distance in m of a contact point from where it was when the foot came to
     stand. A ball may roll: of two ways, that of the leg's foot frame, about which a plan's foot
-    turns, and that of the point by which the ball touches, the shorter one counts.
+    turns, with the ball's in height, and that of the point by which the ball touches, the shorter
+    one counts.
     `limit`: 1 cm; between its knots a plan's feet wander by about half.
     """
 
@@ -97,7 +98,9 @@ class Slip(Check):
 
 
 def _feet(motion: SampledMotion) -> tuple[Array, Array]:
-    """(K, L, c, 3) m: point feet's frames, soles' balls; m/s: of points by which balls touch."""
+    """(K, L, c, 3) m: balls, point feet's where their frames are seen from above; m/s: of points by
+    which balls touch.
+    """
     model, data = motion.model, motion.model.createData()
     contacts, is_point = foot_contacts(motion.robot), motion.robot.file.foot.is_point
     places = np.empty((len(motion.time), len(contacts), *contacts[0].centres.shape))
@@ -109,7 +112,9 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
         for i, (leg, contact) in enumerate(zip(motion.robot.legs, contacts, strict=True)):
             frame = data.oMf[leg.foot_frame_id]
             centres = contact.centres @ frame.rotation.T + frame.translation
-            places[k, i] = frame.translation if is_point else centres
+            places[k, i] = centres
+            if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
+                places[k, i, :, :2] = frame.translation[:2]
             twist = pin.getFrameVelocity(model, data, leg.foot_frame_id, world)
             arm = centres - frame.translation - [0.0, 0.0, contact.radius]
             velocities[k, i] = twist.linear + np.cross(twist.angular, arm)

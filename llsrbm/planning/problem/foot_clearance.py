@@ -79,16 +79,16 @@ def clearance_line(task: Task, phase: int, progress: Array) -> Array:
 
 @lru_cache(maxsize=2)
 def edge_ranges(task: Task, layout: Layout) -> tuple[Array, Array]:
-    """(N + 1, L) m each: `_range` of all knots."""
+    """(N + 1, L) m each: `edge_range` of all knots."""
     progress, step = layout.swing_progress
     low, high = np.full((2, *progress.shape), np.nan)
     for phase in range(layout.phases):
         here = layout.phase == phase
-        low[here], high[here] = _range(task, phase, progress[here], step[here])
+        low[here], high[here] = edge_range(task, phase, progress[here], step[here])
     return low, high
 
 
-def _range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array, Array]:
+def edge_range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Array, Array]:
     """(K, L) m each: bounds of corners along `towards`; far where there is no edge to mind.
 
     Args:

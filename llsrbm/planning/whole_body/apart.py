@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.surroundings import Block
-from llsrbm.planning.whole_body.grid import Sizes
 from llsrbm.robots.near_links import NearLinks, away_from
 from llsrbm.robots.robot import Robot
 
@@ -23,7 +22,8 @@ Array = NDArray[np.float64]
 
 # m: what is farther apart is not measured, which takes time; what comes nearer all the same is seen
 # in the next round.
-NEAR = 0.03
+NEAR = 0.08
+PAIRS = 2  # a limb, of links, or of a link and a box, that are kept apart: the soonest
 FAR = 1.0  # m, of rows that no pair needs: all rows have bounds (`llsrbm.ocp.horizon.Problem`)
 LEAST = 0.005  # m that links may be apart; from boxes nothing
 BETWEEN = 0.008  # m more, for what is between the instants that are looked at
@@ -60,10 +60,10 @@ class Apart:
         Rows that are free have what `before` says: about another posture the same pair may be kept
         apart along another direction, and without the former one motions go from one to the other.
         """
-        sizes = Sizes.of(robot)
+        most = PAIRS * (len(robot.legs) + len(robot.arms))
         least = np.full(len(q), np.inf)
-        at_zero = np.full((len(q), sizes.near), FAR)
-        slope = np.zeros((*at_zero.shape, sizes.posture))
+        at_zero = np.full((len(q), most), FAR)
+        slope = np.zeros((*at_zero.shape, robot.model.nv))
         links = NearLinks.of(robot)
         data = robot.model.createData()
         for t in range(1, len(q)):  # the first knot is given
@@ -72,14 +72,14 @@ class Apart:
             found = sorted(_found(links, data, q[t], here), key=_soon)
             turned = _turned(planned[t // 2], q[t, 3:7])
             state = np.concatenate([q[t, :3], turned, q[t, 7:]])
-            rows = min(len(found), sizes.near)
+            rows = min(len(found), most)
             for i, (room, slopes) in enumerate(found[:rows]):
                 least[t] = min(least[t], room)
                 at_zero[t, i] = room - BETWEEN - slopes @ state
                 slope[t, i] = slopes
             if before is not None:
-                at_zero[t, rows:] = before.at_zero[t, : sizes.near - rows]
-                slope[t, rows:] = before.slope[t, : sizes.near - rows]
+                at_zero[t, rows:] = before.at_zero[t, : most - rows]
+                slope[t, rows:] = before.slope[t, : most - rows]
         return cls(least, at_zero, slope)
 
     @property

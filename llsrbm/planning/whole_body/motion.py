@@ -1,4 +1,4 @@
-"""The second stage's motion at any instant, in numbers."""
+"""A motion of the whole-body problem at any instant, in numbers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import apply, cross, rotation_matrices
-from llsrbm.planning.whole_body.grid import NODES, SAME_INSTANT, Grid, Sizes, line, parts, units
+from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
+from llsrbm.planning.whole_body.sizes import NODES, Sizes, line, parts
 
 Array = NDArray[np.float64]
 
@@ -40,30 +41,36 @@ class Motion:
     force: Array
 
     @classmethod
-    def of(cls, variables: Array, time: Array, grid: Grid, sizes: Sizes) -> Motion:
-        """The motion of a solution's variables; `time`: (N + 1,) s."""
+    def of(cls, variables: Array, grid: Grid, sizes: Sizes) -> Motion:
+        """The motion of a solution's variables."""
         states, rates = [], []
         force = np.zeros((grid.intervals, len(NODES), sizes.legs, 3 * sizes.corners))
         end = 0
         for k, knot in enumerate(grid.knots):
-            start, end = end, end + sizes.states
-            states.append(variables[start:end] * units(sizes.state, 1.0))
+            start, end = end, end + sizes.states + sizes.controls(knot)
+            own, controls = np.split(variables[start:end] * sizes.unit(knot), [sizes.states])
+            states.append(own)
             if knot.last:
                 break
             of_node = sizes.node(len(knot.standing))
-            size = sum(of_node.values())
-            for node in range(len(NODES)):
-                start, end = end, end + size
-                at = parts(variables[start:end] * units(of_node, sizes.unit_force), of_node)
+            for node, values in enumerate(np.split(controls, len(NODES))):
+                at = parts(values, of_node)
                 rates.append(np.concatenate([at[name] for name in sizes.motion]))
                 force[k, node, list(knot.standing)] = at["force"].reshape(-1, 3 * sizes.corners)
         shape = grid.intervals, len(NODES)
+        state = parts(np.array(states), sizes.state)
+        edges = np.concatenate([[0.0], np.cumsum(state["durations"][0])])
         return cls(
-            time=time,
-            state=parts(np.array(states), sizes.state),
+            time=grid.times(edges)[::2],
+            state=state,
             rates=parts(np.array(rates).reshape(*shape, -1), sizes.motion),
             force=force.reshape(*shape, -1, 3),
         )
+
+    @property
+    def durations(self) -> Array:
+        """(P,) s of the phases."""
+        return self.state["durations"][0]
 
     def at(self, time: Array) -> Instants:
         """At instants (K,) s; where two intervals meet, the later one counts."""

@@ -1,4 +1,4 @@
-"""A motion of the second stage as a plan."""
+"""A motion of the whole-body problem as a plan."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ from llsrbm.body.efforts import efforts
 from llsrbm.body.momentum import centroidal_states
 from llsrbm.mechanics import apply, interpolated, quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.whole_body.grid import NODES, Grid
+from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
+from llsrbm.planning.whole_body.sizes import NODES
 from llsrbm.planning.whole_body.start import Start
 from llsrbm.robots.drives.torques import torque_in_direction
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
 
 def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) -> Plan:
-    """A centroidal plan with the second stage's motion in its place.
+    """A centroidal plan with the whole body's motion in its place; `start`: at its times.
 
     Its knots are those of the grid and the middles between them: the middles of the plan's
     intervals are the nodes, where its forces and torques are exact.
@@ -34,14 +36,18 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     quat = sign_continuous(at.q[:, [6, 3, 4, 5]])
     R = rotation_matrices(quat)
     joints = at.q[:, 7:]
-    com, inertia, momentum, foot_position, foot_rotation = _by_pinocchio(robot, at.q, at.v)
+    com, inertia, momentum, foot_position, foot_rotation, lowest = _by_pinocchio(robot, at.q, at.v)
     phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
     # Standing feet drift by less than the rows' tolerance from where they are planned to stand.
     rests = _resting(plan.schedule.stands[phase])
-    foot_position = np.where(rests[..., None], start.place, foot_position)
+    stands = start.place.copy()
+    # Frames of point feet are higher or lower than they stand as shanks lean.
+    stands[..., 2] += (foot_position[..., 2] - lowest) * (len(robot.corners) == 1)
+    foot_position = np.where(rests[..., None], stands, foot_position)
     foot_quat = np.where(rests[..., None], start.foot_quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T
-    contact_point = foot_position[:, :, None] + np.swapaxes(corners, -1, -2)
+    touches = np.where(rests[..., None], start.place, foot_position)
+    contact_point = touches[:, :, None] + np.swapaxes(corners, -1, -2)
 
     node_count = grid.intervals * len(NODES)
     interval = np.repeat(np.arange(grid.intervals), len(NODES))
@@ -52,7 +58,8 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
     foot_base = robot.chains.motion(q_legs).foot
-    in_hip = interpolated(time, plan.time, plan.foot_in_hip)
+    same = np.interp(plan.time, plan.phase_start, start.phase_start)
+    in_hip = interpolated(time, same, plan.foot_in_hip)
     in_hip[..., :3] = robot.mirrors * (foot_base - robot.hips)
     return replace(
         plan,
@@ -80,18 +87,27 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     )
 
 
-def _by_pinocchio(robot: Robot, q: Array, v: Array) -> tuple[Array, Array, Array, Array, Array]:
-    """CoM, inertia, momentum (linear, angular), the feet's lowest points and their attitudes."""
+def _by_pinocchio(
+    robot: Robot, q: Array, v: Array
+) -> tuple[Array, Array, Array, Array, Array, Array]:
+    """CoM, inertia, momentum (linear, angular), the feet's places, attitudes, and lowest points.
+
+    Places of point feet are their frames', less what these are above their lowest points, standing.
+    """
     model, data, legs = robot.model, robot.model.createData(), len(robot.legs)
     com, inertia, momentum = centroidal_states(model, q, v)
     place, rotation = np.empty((len(q), legs, 3)), np.empty((len(q), legs, 3, 3))
+    lowest = np.empty((len(q), legs))
+    contacts = foot_contacts(robot)
     for k in range(len(q)):
         pin.framesForwardKinematics(model, data, q[k])
         for leg, description in enumerate(robot.legs):
             placed = data.oMf[description.foot_frame_id]
             place[k, leg], rotation[k, leg] = placed.translation, placed.rotation
+            balls = placed.rotation @ contacts[leg].centres.T
+            lowest[k, leg] = placed.translation[2] + balls[2].min() - contacts[leg].radius
     place[..., 2] -= robot.foot_lift
-    return com, inertia, momentum, place, rotation
+    return com, inertia, momentum, place, rotation, lowest
 
 
 def _of_soles(robot: Robot, rotation: Array) -> Array:

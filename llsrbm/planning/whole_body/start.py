@@ -1,8 +1,10 @@
-"""A centroidal plan as the second stage begins from it: states and accelerations of its posture."""
+"""A centroidal plan as the whole-body problem begins from it: states and rates of its posture."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +15,19 @@ from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_contin
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.surroundings import Block, surroundings
 from llsrbm.planning.problem.placement import task_of
+from llsrbm.planning.problem.task import Task
 from llsrbm.planning.whole_body.apart import Apart
-from llsrbm.planning.whole_body.grid import LIMITS, NODES, SAME_INSTANT, Grid, Sizes
+from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
+from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
+
+# Weight of nearness to the motion of an earlier round, and to first stages of what turns over or
+# clears something, which nothing else tells the way.
+NEAR = 1.0
+INSIDE = 1e-3  # s, of a duration's bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,28 +35,36 @@ class Start:
     """A plan on a grid of N intervals.
 
     Attributes:
+        task: what is asked.
+        phase_start: (P + 1,) s: edges of the phases.
         time: (2 N + 1,) s: the knots and the middles between them.
         state: name -> (N + 1, n), at the knots; motion: name -> (N, nodes, n), at the nodes.
         force: (N, nodes, 3 C) N, of all contact points.
-        place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet.
-        limits: of the request: shares of torque and speed, friction.
+        place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet: where they stand, their
+            places.
+        weights: of costs.
         solids: the ground and blocks; apart: distances of links from each other and from them.
     """
 
+    task: Task
+    phase_start: Array
     time: Array
-    state: dict[str, Array]
-    motion: dict[str, Array]
+    state: Mapping[str, Array]
+    motion: Mapping[str, Array]
     force: Array
     place: Array
     foot_quat: Array
-    limits: Array
+    weights: Mapping[str, float]
     solids: tuple[Block, ...]
     apart: Apart
 
-    @property
-    def step(self) -> Array:
-        """(N,) s."""
-        return np.diff(self.time[::2])
+    @cached_property
+    def duration_bounds(self) -> tuple[Array, Array]:
+        """(P,) s each: shortest and longest phases; one that is given has a little room."""
+        durations = np.diff(self.phase_start)
+        low, high = np.array([self.task.times(p) for p in range(len(durations))]).T
+        given = high - low < 2 * INSIDE
+        return np.where(given, low - INSIDE, low), np.where(given, high + INSIDE, high)
 
     @property
     def heading(self) -> Array:
@@ -55,37 +72,40 @@ class Start:
         ahead: Array = rotation_matrices(self.foot_quat[::2])[..., :2, 0]
         return ahead
 
+    def timed(self, durations: Array, grid: Grid) -> Start:
+        """The same with phases that last so long, s (P,)."""
+        edges = np.concatenate([[0.0], np.cumsum(durations)])
+
+        def moved(time: float) -> float:
+            known = np.isfinite(time)
+            return float(np.interp(time, self.phase_start, edges)) if known else time
+
+        solids = tuple(
+            replace(block, from_s=moved(block.from_s), until_s=moved(block.until_s))
+            for block in self.solids
+        )
+        return replace(self, phase_start=edges, time=grid.times(edges), solids=solids)
+
+    def beside(self, state: Mapping[str, Array]) -> Start:
+        """The same beside a motion of these states, but for its ends, and for its attitudes, from
+        which the distances' turns count.
+        """
+        moved = {name: values.copy() for name, values in self.state.items()}
+        for name, values in moved.items():
+            if name != "quat":
+                values[1:-1] = state[name][1:-1]
+        return replace(self, state=moved)
+
+    def nearer(self) -> Start:
+        """The same with a motion that stays near its state."""
+        return replace(self, weights={**self.weights, "near": NEAR})
+
 
 def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
-    """A plan as the second stage begins from it."""
-    limits = task_of(plan, robot).limits
-    assert plan.joint_velocity is not None  # a plan that converged has it
-    order = [plan.joint_names.index(name) for name in robot.joint_names]
-    time, known = grid.times(plan), plan.time
-    knots, _ = states(robot, KnotMotion.of_plan(plan))
-    R = rotation_matrices(plan.base_quat)
-    omega = apply(np.swapaxes(R, -1, -2), knots.omega)
-    position, velocity = plan.joint_position[:, order], plan.joint_velocity[:, order]
-    state = {
-        "position": interpolated(time, known, plan.base_position),
-        "quat": _turning(time, known, plan.base_quat),
-        "joint_position": interpolated(time, known, position),
-        "velocity": interpolated(
-            time,
-            known,
-            base_velocities(
-                robot,
-                plan.com_velocity,
-                plan.base_position,
-                plan.base_quat,
-                omega,
-                position,
-                velocity,
-            ),
-        ),
-        "omega": interpolated(time, known, omega),
-        "joint_velocity": interpolated(time, known, velocity),
-    }
+    """A plan as the whole-body problem begins from it."""
+    task = task_of(plan, robot)
+    time, known = grid.times(plan.phase_start), plan.time
+    state = _states(plan, robot, time)
     halves = np.diff(time)[:, None]
     rates = {
         "acceleration": "velocity",
@@ -95,12 +115,12 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
     middles = (time[1:] + time[:-1]) / 2
     interval = np.searchsorted(known, middles, side="right") - 1
     force = plan.contact_force.reshape(len(known), -1)[interval]
-    # Feet's places count where they stand, in flight only their height does.
-    place = interpolated(time, known, plan.foot_position.reshape(len(known), -1))
     last_knot = np.searchsorted(known, time + SAME_INSTANT, side="right") - 1
     count, solids = grid.intervals, surroundings(robot, plan, Scenario()).solids
     q = np.hstack([state["position"], np.roll(state["quat"], -1, axis=1), state["joint_position"]])
     return Start(
+        task=task,
+        phase_start=plan.phase_start,
         time=time,
         state={name: values[::2] for name, values in state.items()},
         motion={
@@ -108,26 +128,69 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
             for name, of in rates.items()
         },
         force=force.reshape(count, len(NODES), -1),
-        place=place.reshape(len(time), -1, 3),
+        place=_places(plan, task, grid),
         foot_quat=plan.foot_quat[last_knot],
-        limits=np.array([getattr(limits, name) for name in LIMITS]),
+        weights=_weights(task),
         solids=solids,
         apart=Apart.near(q, time, state["quat"][::2], robot, solids),
     )
 
 
-def variables(start: Start, grid: Grid, sizes: Sizes, unit: Array) -> Array:
-    """All variables of the second stage, in units: states, then the controls at both nodes."""
+def variables(start: Start, grid: Grid, sizes: Sizes) -> Array:
+    """All variables, in units: states with durations, then the controls at both nodes."""
+    low, high = start.duration_bounds
+    durations = np.clip(np.diff(start.phase_start), low + INSIDE, high - INSIDE)
     found = []
     for k, knot in enumerate(grid.knots):
-        found += [values[k] for values in start.state.values()]
-        if knot.last:
-            break
-        for node in range(len(NODES)):
-            found += [values[k, node] for values in start.motion.values()]
+        own = [*(values[k] for values in start.state.values()), durations]
+        for node in range(0 if knot.last else len(NODES)):
+            own += [values[k, node] for values in start.motion.values()]
             force = start.force[k, node].reshape(sizes.legs, -1)
-            found.append(force[list(knot.standing)].ravel())
-    return np.concatenate(found) / unit
+            own.append(force[list(knot.standing)].ravel())
+        found.append(np.concatenate(own) / sizes.unit(knot))
+    return np.concatenate(found)
+
+
+def _weights(task: Task) -> dict[str, float]:
+    own = dict(WEIGHTS)
+    if task.jump.turns:
+        own["level"] = 0.0
+    if task.jump.turns or task.obstacle is not None:
+        own["near"] = NEAR
+    return own
+
+
+def _states(plan: Plan, robot: Robot, time: Array) -> dict[str, Array]:
+    """Name -> (K, n) of a plan's posture at instants (K,) s."""
+    assert plan.joint_velocity is not None  # a plan that converged has it
+    order = [plan.joint_names.index(name) for name in robot.joint_names]
+    known = plan.time
+    knots, _ = states(robot, KnotMotion.of_plan(plan))
+    omega = apply(np.swapaxes(rotation_matrices(plan.base_quat), -1, -2), knots.omega)
+    position, velocity = plan.joint_position[:, order], plan.joint_velocity[:, order]
+    base = plan.base_position, plan.base_quat, omega
+    base_velocity = base_velocities(robot, plan.com_velocity, *base, position, velocity)
+    return {
+        "position": interpolated(time, known, plan.base_position),
+        "quat": _turning(time, known, plan.base_quat),
+        "joint_position": interpolated(time, known, position),
+        "velocity": interpolated(time, known, base_velocity),
+        "omega": interpolated(time, known, omega),
+        "joint_velocity": interpolated(time, known, velocity),
+    }
+
+
+def _places(plan: Plan, task: Task, grid: Grid) -> Array:
+    """(2 N + 1, L, 3) m: feet on the way, and where they stand their footholds."""
+    known = plan.foot_position.reshape(len(plan.time), -1)
+    place = interpolated(grid.times(plan.phase_start), plan.time, known)
+    place = place.reshape(len(place), -1, 3)
+    for half in range(len(place)):
+        knot, phase = grid.knots[half // 2], grid.phase_at(half)
+        for leg in knot.standing if half % 2 else knot.resting:
+            # A foot that leaves there stood in the phase before.
+            place[half, leg] = task.footholds_before(phase).feet[leg]
+    return place
 
 
 def _turning(time: Array, known: Array, quat: Array) -> Array:

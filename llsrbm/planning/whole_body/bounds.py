@@ -1,0 +1,149 @@
+"""Bounds of the whole-body problem's rows: what a request allows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.body.knee_room import knee_room
+from llsrbm.planning.problem.foot_clearance import clearance_line, edge_range
+from llsrbm.planning.whole_body.grid import Grid, Knot
+from llsrbm.planning.whole_body.legs import LANDING_UNIT
+from llsrbm.planning.whole_body.sizes import EQUALITIES, Sizes
+from llsrbm.planning.whole_body.start import Start
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+# m by which a foot in the air may be lower than the line: more meets the ground early.
+LOWER_FEET = 0.003
+LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
+# m from which feet come down, over that share of their swing: those that come along the ground meet
+# it early, by 36 ms at the median of five jumps of Go2, from there by 19 ms.
+HIGH, COMING_DOWN = 0.03, 0.2
+SHANKS = 0.75  # of the distance that feet keep
+RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
+
+
+@dataclass(frozen=True, eq=False)
+class RowBounds:
+    """The rows of one request."""
+
+    robot: Robot
+    grid: Grid
+    sizes: Sizes
+    start: Start
+
+    def __iter__(self) -> Iterator[tuple[str, int, float, Array, Array]]:
+        """The rows of g in their order: name, knot, instant (s), lower and upper bounds."""
+        for k, knot in enumerate(self.grid.knots):
+            time = float(self.start.time[2 * k])
+            if not knot.last:
+                yield "continuity", k, time, *(np.zeros((2, self.sizes.states)))
+            for name, size in self.sizes.rows(knot).items():
+                yield name, k, time, *self._bounds(name, size, knot, 2 * k)
+            if knot.last:
+                break
+            for name, share, size in self.sizes.interval_rows(knot):
+                at = time + share * float(self.start.time[2 * k + 2] - time)
+                yield name, k, at, *self._bounds(name, size, knot, 2 * k + 1)
+
+    def _bounds(self, name: str, size: int, knot: Knot, half: int) -> tuple[Array, Array]:
+        """`half`: of the start's instants, the knot or the middle after it."""
+        limits, model = self.start.task.limits, self.robot.model
+        most = {"speed": limits.speed_share, "torque": limits.torque_share, "drive": 1.0}
+        if name in EQUALITIES:
+            return np.zeros(size), np.zeros(size)
+        if name in most:
+            return np.full(size, -most[name]), np.full(size, most[name])
+        above = np.full(size, np.inf)
+        match name:
+            case "durations":
+                return self.start.duration_bounds
+            case "stop":
+                return model.lowerPositionLimit[7:], model.upperPositionLimit[7:]
+            case "edge":
+                return self._edge(knot, half)
+            case "clearance":
+                return self._lowest(knot, half), above
+            case "shanks":
+                return self._apart(knot, half), above
+            case "knees":
+                return self._knees(knot, half), above
+            case "apart":
+                return -self.start.apart.at_zero[half], above
+        assert name == "friction"
+        return np.zeros(size), above
+
+    def _swinging(self, knot: Knot, half: int) -> list[int]:
+        stands = knot.standing if half % 2 else knot.resting
+        return [leg for leg in range(self.sizes.legs) if leg not in stands]
+
+    @cached_property
+    def _progress(self) -> tuple[Array, Array]:
+        """(2 N + 1, L) share of a foot's swing that is over, and (N, L) what a half takes of it."""
+        edges, phases = self.start.phase_start, self.grid.phases
+        progress = np.zeros((len(self.start.time), self.sizes.legs))
+        step = np.zeros((len(phases), self.sizes.legs))
+        for leg in range(self.sizes.legs):
+            for p, (stands, count) in enumerate(phases):
+                if leg in stands:
+                    continue
+                others = [k for k in range(len(phases)) if leg in phases[k][0]]
+                lift = edges[max(k for k in others if k < p) + 1]
+                touch = edges[min(k for k in others if k > p)]
+                here = (self.grid.shares >= p) & (self.grid.shares <= p + 1)
+                progress[here, leg] = (self.start.time[here] - lift) / (touch - lift)
+                step[p, leg] = (edges[p + 1] - edges[p]) / (touch - lift) / (2 * count)
+        return progress, step
+
+    def _lowest(self, knot: Knot, half: int) -> Array:
+        """Lowest heights, m, of what each swinging foot touches with."""
+        task, phase = self.start.task, self.grid.phase_at(half)
+        progress = self._progress[0][[half]]
+        before, after = (
+            place.feet[:, 2]
+            for place in (task.footholds_before(phase), task.footholds_after(phase))
+        )
+        line = clearance_line(task, phase, progress)[0]
+        left = np.clip((1 - progress[0]) / COMING_DOWN, 0.0, 1.0)
+        coming = after + HIGH * left**2 * (3 - 2 * left)
+        line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
+        if task.obstacle is not None:
+            line = np.maximum(line, self.start.place[half, :, 2])
+        # How far it is above the lower of the places that it comes from and goes to.
+        above = np.maximum(line - np.minimum(before, after), 0.0)
+        lean = np.minimum(LOWER_CORNERS, LOWER_FEET + above / 2)
+        found = []
+        for leg in self._swinging(knot, half):
+            found.append([line[leg] - LOWER_FEET])
+            if self.sizes.corners > 1:
+                found.append([line[leg] - lean[leg]] * self.sizes.corners)
+        return np.concatenate(found)
+
+    def _edge(self, knot: Knot, half: int) -> tuple[Array, Array]:
+        phase, swinging = self.grid.phase_at(half), self._swinging(knot, half)
+        progress, step = self._progress
+        low, high = edge_range(self.start.task, phase, progress[[half]], step[[phase]])
+        low, high = (
+            np.repeat(bound[0, swinging], self.sizes.corners) / LANDING_UNIT
+            for bound in (low, high)
+        )
+        return low, high
+
+    def _apart(self, knot: Knot, half: int) -> Array:
+        """Squared distances of feet and of shanks."""
+        stands = knot.standing if half % 2 else knot.resting
+        distance = self.start.task.limits.feet_apart / LANDING_UNIT
+        each = [distance**2, (SHANKS * distance) ** 2][: 1 + self.sizes.knees]
+        return np.tile(each, len(self.sizes.pairs_with(stands)))
+
+    def _knees(self, knot: Knot, half: int) -> Array:
+        last = self.grid.phase_at(half) == len(self.grid.phases) - 1
+        margin = self.start.task.limits.knee_margin * (1.0 if last else RISING)
+        stands = knot.standing if half % 2 else knot.resting
+        return np.full(len(stands), (knee_room(self.robot) + margin) / LANDING_UNIT)

@@ -1,0 +1,93 @@
+"""What a motion of the whole body costs: what is not smooth, hard on drives, slow, or far off.
+
+Widths say by what something may be off for a cost of 1 a knot, which `WEIGHTS` weigh.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import casadi as ca
+import numpy as np
+
+from llsrbm.planning.whole_body.interval import Pose, turned
+from llsrbm.planning.whole_body.sizes import NODES, Sizes
+from llsrbm.robots.robot import Robot
+
+SCALE = 1e-3  # of the whole cost
+WIDTHS = {
+    "position": 0.05,
+    "attitude": 0.1,
+    "joint_position": 0.3,
+    "velocity": 0.5,
+    "omega": 1.0,
+    "joint_velocity": 3.0,
+    "acceleration": 10.0,
+    "omega_rate": 30.0,
+    "joint_acceleration": 200.0,
+    "steep": 100.0,  # rad/s2, of joints between the nodes
+}
+SLIDE = 0.2  # m of a joint that slides for a rad of one that turns
+LEVEL = 0.05  # half the sine, about, of the angle by which a base leans
+TIME = 0.1  # s
+
+
+def of_knot(pose: Pose, near: Mapping[str, Any], weight: Mapping[str, Any], robot: Robot) -> Any:
+    """Cost of a knot's state: nearness to what is `near`, level, slow, near to standing."""
+    width = _widths(robot)
+    values = {name: getattr(pose, name) for name in width if hasattr(pose, name)}
+    off = {name: value - near[name] for name, value in values.items()}
+    off["attitude"] = turned(pose.quat, near["quat"])
+    # A knot stands for two of the plan's, as its interval does.
+    cost = weight["near"] * len(NODES) * sum(ca.sumsqr(v / width[n]) for n, v in off.items())
+    cost += weight["level"] * ca.sumsqr(pose.quat[1:3] / LEVEL)
+    cost += weight["turning"] * ca.sumsqr(pose.omega / width["omega"])
+    cost += weight["joint_speed"] * ca.sumsqr(pose.joint_velocity / width["joint_velocity"])
+    standing = pose.joint_position - ca.DM(robot.posture[7:])
+    return cost + weight["posture"] * ca.sumsqr(standing / width["joint_position"])
+
+
+def of_durations(durations: Any, weight: Mapping[str, Any]) -> Any:
+    """Cost of the phases' durations, s."""
+    return weight["time"] * ca.sumsqr(durations / TIME)
+
+
+def of_interval(
+    nodes: Sequence[Mapping[str, Any]],
+    loads: Sequence[Any],
+    standing: int,
+    weight: Mapping[str, Any],
+    sizes: Sizes,
+    robot: Robot,
+) -> Any:
+    """Cost of the controls at both nodes; `loads`: their torques, as shares of the drives'."""
+    width = _widths(robot)
+    cost = weight["torque"] * sum(map(ca.sumsqr, loads))
+    rates = {
+        "acceleration": "acceleration",
+        "omega_rate": "acceleration",
+        "joint_acceleration": "joint_acceleration",
+    }
+    for node in nodes:
+        for name, cause in rates.items():
+            cost += weight[cause] * ca.sumsqr(node[name] / width[name])
+        if standing:
+            share = sizes.weight / (standing * sizes.corners)
+            even = ca.repmat(ca.DM([0, 0, share]), standing * sizes.corners)
+            cost += weight["force"] * ca.sumsqr((node["force"] - even) / sizes.unit_force)
+    steep = {name: nodes[1][name] - nodes[0][name] for name in nodes[0]}
+    cost += weight["steep_joints"] * ca.sumsqr(steep["joint_acceleration"] / width["steep"])
+    for name in ("acceleration", "omega_rate"):
+        cost += weight["steep_base"] * ca.sumsqr(steep[name] / width[name])
+    return cost + weight["steep_force"] * ca.sumsqr(steep["force"] / sizes.unit_force)
+
+
+def _widths(robot: Robot) -> dict[str, Any]:
+    """Name -> width, a scalar or (J,)."""
+    slides = np.isin(robot.joint_names, sorted(robot.sliding_joints))
+    if not slides.any():
+        return dict(WIDTHS)
+    unit = ca.DM(np.where(slides, SLIDE, 1.0))
+    of_joints = {name for name in WIDTHS if name.startswith("joint") or name == "steep"}
+    return {name: width * unit if name in of_joints else width for name, width in WIDTHS.items()}

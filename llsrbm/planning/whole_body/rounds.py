@@ -1,0 +1,124 @@
+"""Solves of the whole-body problem, each with the distances about the motion of the one before."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from llsrbm.motion.plan import Violation
+from llsrbm.ocp.horizon import Problem, Solution
+from llsrbm.ocp.progress import solving
+from llsrbm.ocp.solvers import SolveOptions, Solver
+from llsrbm.planning.solve.watch import Watch
+from llsrbm.planning.whole_body.apart import Apart
+from llsrbm.planning.whole_body.bounds import RowBounds
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.motion import Motion
+from llsrbm.planning.whole_body.problem import make_problem
+from llsrbm.planning.whole_body.sizes import Sizes
+from llsrbm.planning.whole_body.start import Start, variables
+from llsrbm.robots.robot import Robot
+
+Array = NDArray[np.float64]
+
+FROM_FAR = SolveOptions(mu=1e-2, iterations=50, push=0.01, acceptable=(5e-3, 4), tolerance=1e-3)
+LOOK = replace(FROM_FAR, iterations=8)  # after so many distances are measured again
+NEARER = replace(FROM_FAR, mu=1e-3)
+NEAR = replace(FROM_FAR, mu=1e-4, iterations=40)
+TOLERANCE = 1e-3  # of rows, in their units of about 1
+ROUNDS = 6
+_UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m", "durations": "s"}
+
+
+@dataclass
+class Rounds:
+    """What has been tried from one start, and where it led.
+
+    Attributes:
+        solutions: all of them; found: name of rows -> the last one's largest violation.
+        motion, start: where all rows hold and links keep apart; `solved` says whether.
+    """
+
+    robot: Robot
+    grid: Grid
+    solver: Solver
+    phases: tuple[str, ...]  # names
+    watch: Watch
+    solutions: list[Solution] = field(default_factory=list)
+    found: dict[str, Violation] = field(default_factory=dict)
+    motion: Motion | None = None
+    start: Start | None = None
+    solved: bool = False
+
+    def __post_init__(self) -> None:
+        self.sizes = Sizes.of(self.robot, len(self.grid.phases))
+
+    def solve(self, start: Start) -> None:
+        """Solve from a start; where that fails, again with distances looked at early."""
+        for early in (False, True):
+            self._from(start, early)
+            if self.solved:
+                break
+
+    def _from(self, start: Start, early: bool) -> None:
+        guess = variables(start, self.grid, self.sizes)
+        options: tuple[SolveOptions, ...] = (LOOK,) if early else (FROM_FAR,)
+        for _ in range(ROUNDS):
+            rows = RowBounds(self.robot, self.grid, self.sizes, start)
+            hold = self._hold(rows, make_problem(rows), guess, options)
+            guess = self.solutions[-1].variables
+            if not np.isfinite(guess).all() or not (hold or options == (LOOK,)):
+                return
+            motion = Motion.of(guess, self.grid, self.sizes)
+            start = start.timed(motion.durations, self.grid)
+            apart = self._apart(motion, start)
+            if hold and apart.holds:
+                self.motion, self.start, self.solved = motion, start, True
+                return
+            start = replace(start.beside(motion.state), apart=apart)
+            start = start.nearer() if hold else start
+            options = (NEAR, NEAR) if hold else (NEARER, NEAR)
+
+    def _hold(
+        self, rows: RowBounds, problem: Problem, guess: Array, options: tuple[SolveOptions, ...]
+    ) -> bool:
+        """Solve, and again from there where rows do not hold; whether they do in the end."""
+        for each in options:
+            solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
+            solution = self.watch.over(solve)
+            self.solutions.append(solution)
+            self.found = dict(self._violations(solution, problem, rows))
+            # Where its rows hold a motion can be done, whether or not it is the smoothest one.
+            if all(violation.amount <= TOLERANCE for violation in self.found.values()):
+                return True
+            guess = solution.variables
+            if not np.isfinite(guess).all():
+                break
+        return False
+
+    def _apart(self, motion: Motion, start: Start) -> Apart:
+        q, quat = motion.at(start.time).q, start.state["quat"]
+        return Apart.near(q, start.time, quat, self.robot, start.solids, start.apart)
+
+    def _violations(
+        self, solution: Solution, problem: Problem, rows: RowBounds
+    ) -> Iterator[tuple[str, Violation]]:
+        """The largest violation of each kind of rows, of a solution as it is; NaN is the worst."""
+        with solving:
+            g = self.solver.function("nlp_g")(solution.variables, problem.parameters)
+        g = np.array(g).ravel()
+        worst: dict[str, float] = {}
+        at = 0
+        for name, knot, instant, low, high in rows:
+            values = g[at : at + len(low)]
+            at += len(low)
+            amount = float(np.max(np.maximum(low - values, values - high), initial=0.0))
+            amount = amount if np.isfinite(amount) else np.inf
+            if name not in worst or amount > worst[name]:
+                worst[name] = amount
+                phase = int(self.grid.phase[min(knot, self.grid.intervals - 1)])
+                yield name, Violation(amount, _UNITS.get(name, "1"), self.phases[phase], instant)

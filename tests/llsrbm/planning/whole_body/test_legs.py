@@ -1,0 +1,91 @@
+"""Feet, shanks and knees of a pose against Pinocchio."""
+
+import casadi as ca
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from llsrbm.body.trunk_and_knees import knee_joint
+from llsrbm.mechanics import rotation_matrices
+from llsrbm.models.rigid_bodies import RigidBodies
+from llsrbm.planning.whole_body import legs
+from llsrbm.planning.whole_body.interval import Pose
+from llsrbm.robots import load_robot
+from llsrbm.robots.feet import foot_contacts
+
+
+def moving(robot, seed):
+    """A random posture and its rates, as a state and in Pinocchio's convention."""
+    rng = np.random.default_rng(seed)
+    quat = rng.normal(size=4)
+    quat /= np.linalg.norm(quat)
+    joints = robot.posture[7:] + 0.3 * rng.normal(size=robot.model.nv - 6)
+    state = {
+        "position": rng.normal(size=3),
+        "quat": quat,
+        "joint_position": joints,
+        "velocity": rng.normal(size=3),
+        "omega": rng.normal(size=3),
+        "joint_velocity": rng.normal(size=len(joints)),
+    }
+    q = np.concatenate([state["position"], quat[[1, 2, 3, 0]], joints])
+    in_base = rotation_matrices(quat).T @ state["velocity"]
+    return state, q, np.concatenate([in_base, state["omega"], state["joint_velocity"]])
+
+
+def seen(robot, state):
+    """Legs as numbers."""
+    pose = Pose.of({name: ca.SX(ca.DM(values)) for name, values in state.items()}, lambda x: x)
+    found = legs.legs_of(RigidBodies(robot), pose, lambda x: x)
+    return found, lambda x: np.array(ca.evalf(ca.SX(x))).squeeze()
+
+
+@pytest.mark.parametrize("name", ["anymal", "slider", "g1"])
+def test_balls_are_where_pinocchio_has_them_and_move_as_it_says(name):
+    robot = load_robot(name)
+    state, q, v = moving(robot, 1)
+    found, number = seen(robot, state)
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, q, v)
+    pin.updateFramePlacements(robot.model, data)
+    for leg, contact, own in zip(robot.legs, foot_contacts(robot), found, strict=True):
+        frame, axes = leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED
+        placed, twist = data.oMf[frame], pin.getFrameVelocity(robot.model, data, frame, axes)
+        np.testing.assert_allclose(number(own.foot), placed.translation, atol=1e-9)
+        np.testing.assert_allclose(number(own.velocity), twist.linear, atol=1e-9)
+        for middle, ball, rise in zip(contact.centres, own.balls, own.rises, strict=True):
+            expected = placed.act(middle)
+            np.testing.assert_allclose(number(ball), expected, atol=1e-9)
+            arm = expected - placed.translation
+            up = (twist.linear + np.cross(twist.angular, arm))[2]
+            np.testing.assert_allclose(number(rise), up, atol=1e-9)
+        knee = knee_joint(robot)
+        if knee is not None:
+            expected = data.oMi[leg.joint_ids[knee]].translation[2]
+            np.testing.assert_allclose(number(own.knee_height), expected, atol=1e-9)
+
+
+def test_a_leaning_shanks_ball_stands_where_its_frame_is_not():
+    """ANYmal's balls are 23 mm above their frames: 0.8 rad of lean lower them by 12."""
+    robot = load_robot("anymal")
+    state = {
+        "position": robot.base_position,
+        "quat": np.array([1.0, 0.0, 0.0, 0.0]),
+        "joint_position": robot.posture[7:],
+        "velocity": np.zeros(3),
+        "omega": np.zeros(3),
+        "joint_velocity": np.zeros(len(robot.joint_names)),
+    }
+    off = []
+    for lean in (0.0, -0.8):
+        half = lean / 2
+        state["quat"] = np.array([np.cos(half), 0.0, np.sin(half), 0.0])
+        found, number = seen(robot, state)
+        leg = found[0]
+        place = number(leg.foot) - [0.0, 0.0, robot.foot_lift]
+        ground = legs.Ground(ca.DM(place), ca.DM([1.0, 0.0]), ca.DM([1.0, 0.0]))
+        [offset] = legs.off_place(leg, ground)
+        off.append(number(offset))
+    np.testing.assert_allclose(off[0], 0.0, atol=1e-4)
+    np.testing.assert_allclose(off[1][:2], 0.0, atol=1e-9)
+    assert abs(off[1][2] + 0.0116) < 5e-4
