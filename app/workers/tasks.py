@@ -131,7 +131,7 @@ class PlanJump(Task):
 
 @dataclass(frozen=True, eq=False)
 class RefinePlan(Task):
-    """Find the whole body's plan near a centroidal one."""
+    """Find the whole body's plan from a centroidal one."""
 
     plan: Plan  # a solved one
     kind = Kind.REFINE

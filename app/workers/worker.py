@@ -85,7 +85,7 @@ class LibraryPlanner:
     def refine(
         self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """The whole body's plan near a plan, or that plan, which says that there was none."""
+        """The whole body's plan from a plan, or that plan, which says that there was none."""
         from llsrbm.planning.whole_body.refine import refined
 
         solver = tasks.solver_of(task.plan.jump)

@@ -1,4 +1,4 @@
-"""Refining: the whole body's plan near the centroidal one that is shown."""
+"""Refining: the whole body's plan, begun from the centroidal one that is shown."""
 
 from __future__ import annotations
 

@@ -21,6 +21,7 @@ from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_problem
 from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.start import Start, variables
+from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -31,6 +32,7 @@ NEARER = replace(FROM_FAR, mu=1e-3)
 NEAR = replace(FROM_FAR, mu=1e-4, iterations=40)
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
+BETWEEN = 8  # instants an interval at which a motion's links are looked at
 _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m", "durations": "s"}
 
 
@@ -77,7 +79,7 @@ class Rounds:
             start = start.timed(motion.durations, self.grid)
             apart = self._apart(motion, start)
             if hold and apart.holds:
-                self.motion, self.start, self.solved = motion, start, True
+                self.motion, self.start, self.solved = motion, start, not self._cross(motion)
                 return
             start = replace(start.beside(motion.state), apart=apart)
             start = start.nearer() if hold else start
@@ -103,6 +105,13 @@ class Rounds:
     def _apart(self, motion: Motion, start: Start) -> Apart:
         q, quat = motion.at(start.time).q, start.state["quat"]
         return Apart.near(q, start.time, quat, self.robot, start.solids, start.apart)
+
+    def _cross(self, motion: Motion) -> bool:
+        """Whether links pass through each other between the instants at which they are apart."""
+        interval, share = np.divmod(np.arange(BETWEEN * self.grid.intervals), BETWEEN)
+        q = motion.within(interval, share / BETWEEN).q
+        distance, _ = LinkShapes.of(self.robot).nearest(q)
+        return bool(distance.min() < 0)
 
     def _violations(
         self, solution: Solution, problem: Problem, rows: RowBounds
