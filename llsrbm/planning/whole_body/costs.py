@@ -1,4 +1,4 @@
-"""What a motion of the whole body costs: what is not smooth, hard on drives, slow, or far off.
+"""The cost of a whole-body motion: roughness, torque, duration, distance from the first stage.
 
 Widths say by what something may be off for a cost of 1 a knot, which `WEIGHTS` weigh.
 """

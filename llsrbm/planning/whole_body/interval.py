@@ -35,7 +35,7 @@ class Pose:
 
     @classmethod
     def of(cls, state: Mapping[str, Any], mark: Mark) -> Pose:
-        """Of a state's parts."""
+        """The pose of a state, name -> expression."""
         moving = {n: v for n, v in state.items() if n != "durations"}
         return cls(**moving, R=mark(rotation_matrix(state["quat"])))
 

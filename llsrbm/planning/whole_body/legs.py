@@ -49,7 +49,7 @@ class Leg:
 
 @dataclass(frozen=True, eq=False)
 class Ground:
-    """What a leg's foot is measured against.
+    """Place, heading and edge that a leg's foot is measured against.
 
     Attributes:
         place: (3,) m, where it stands, or will; heading: (2,) where a sole looks.
@@ -134,13 +134,13 @@ def heights(leg: Leg) -> Any:
 
 
 def along(leg: Leg, ground: Ground) -> Any:
-    """Of a foot's balls across an edge, in units of rows."""
+    """Places of a foot's balls across an edge, in units of rows."""
     seen = [ca.dot(ground.towards, ball[:2]) for ball in leg.balls]
     return ca.vertcat(*seen) / LANDING_UNIT
 
 
 def knee_height(leg: Leg, ground: Ground) -> Any:
-    """Of a knee above what its foot stands on, in units of rows."""
+    """Height of a knee above its foot's ground, in units of rows."""
     return (leg.knee_height - ground.place[2]) / LANDING_UNIT
 
 

@@ -38,7 +38,7 @@ _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m", "duratio
 
 @dataclass
 class Rounds:
-    """What has been tried from one start, and where it led.
+    """All solves from one start, and where they led.
 
     Attributes:
         solutions: all of them; found: name of rows -> the last one's largest violation.

@@ -1,4 +1,4 @@
-"""Of which numbers the variables, parameters and rows of the whole-body problem consist."""
+"""Names and sizes of the variables, parameters and rows of the whole-body problem."""
 
 from __future__ import annotations
 

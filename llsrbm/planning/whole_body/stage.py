@@ -153,7 +153,7 @@ class _Stage:
         return found, costs.of_interval(self.u, loads, standing, *own)
 
     def _effort(self, node: int) -> Effort:
-        """What moves the robot at a node."""
+        """Inverse dynamics at a node."""
         u, mark, pose = self.u[node], self.mark, self.over.at(NODES[node])
         pushes = ca.reshape(u["force"], 3, -1)
         forces: dict[int, list[Any]] = {}
