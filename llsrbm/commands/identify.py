@@ -68,6 +68,8 @@ def _result(found: Identified, robot: Robot) -> dict[str, Any]:
         "speed_lag_s": found.speed_lag,
         "joints": {name: vars(drive) for name, drive in found.joints.items()},
         "undetermined": found.undetermined,
+        "zeros": dict(zip(robot.joint_names, found.zeros.tolist(), strict=True)),
+        "zero_errors": dict(zip(robot.joint_names, found.zero_errors.tolist(), strict=True)),
     }
 
 
@@ -76,8 +78,9 @@ def _in_words(found: Identified, robot: Robot) -> dict[str, str]:
     lines = {
         "base": held if found.log.gyro is None else "by its inertial unit",
         "delay": f"{1e3 * found.delay:.2f} +- {1e3 * found.delay_error:.2f} ms",
-        "": f"{'armature':>20}  {'friction':>20}  {'damping':>20}   residual",
+        "": f"{'armature':>20}  {'friction':>20}  {'damping':>20}  {'zero':>18}   residual",
     }
+    zeros = dict(zip(robot.joint_names, zip(found.zeros, found.zero_errors), strict=True))
     for name, drive in found.joints.items():
         slides = name in robot.sliding_joints
         numbers = (
@@ -86,6 +89,8 @@ def _in_words(found: Identified, robot: Robot) -> dict[str, str]:
             (drive.damping, drive.damping_error),
         )
         shown = "  ".join(f"{value:>9.4g} +- {error:<7.2g}" for value, error in numbers)
+        zero, error = (1e3 * each for each in zeros[name])
+        off = f"{zero:>7.2f} +- {error:<4.2g} {'mm' if slides else 'mrad'}"
         unit = "N" if slides else "Nm"
-        lines[name] = f"{shown}   {drive.residual:.2g} {unit}"
+        lines[name] = f"{shown}  {off}   {drive.residual:.2g} {unit}"
     return {**lines, **{name: f"not told: {why}" for name, why in found.undetermined.items()}}

@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 # Hz: slow and fast ones, for friction, damping and rotors; each joint has its own within a band.
 _BANDS = ((0.4, 0.7), (1.0, 1.5), (2.0, 3.0))
-_FASTER = 1.7  # times these, of joints with little room
+_FASTER = 2.5  # times these, of joints with little room
 _SPEEDS = (1.0, 1.0, 1.0)  # shares of the speed that the tones of a joint have
 _WIDEST = 0.5  # rad (m: of what is between its stops) either way of the default posture
 _OF_STOPS = 0.6  # share of the way to the nearer stop
@@ -37,7 +37,10 @@ _APART = 0.03  # m between links
 _OF_APART = 0.5  # share of the distance in the default posture, where that is less
 _LESS, _TRIES = 0.8, 12  # of the amplitudes of joints that bring links near each other
 _FADE = 1.0  # s, at both ends
-_STIFF = 40.0  # rad/s at which a joint's own inertia swings on its loop, critically damped
+# rad/s at which a joint swings on its loop, critically damped: more where friction that is twice
+# the file's would keep the joint from more than a share of its amplitude.
+_STIFF, _STIFFEST = 40.0, 80.0
+_STUCK = 0.25
 _MOST_TORQUE = 0.6  # of the drive's, whatever the readings are
 _SEEN = 800  # instants that are checked
 SHORTEST, LONGEST = 5.0, 600.0  # s
@@ -118,7 +121,7 @@ def sines(robot: Robot, duration: float) -> Sines:
     found = _apart(_limited(drawn))
     # Joints with little room move faster in it.
     widest = np.abs(found.checked[0] - posture).max(axis=0)
-    faster = np.clip(np.sqrt(_WIDEST / np.maximum(widest, 1e-9)), 1.0, _FASTER)
+    faster = np.clip(_WIDEST / np.maximum(widest, 1e-9), 1.0, _FASTER)
     return _apart(_limited(replace(found, frequency=faster[:, None] * frequency)))
 
 
@@ -199,8 +202,13 @@ class Excitation(Tier):
         self.sines = sines(robot, duration)
         first = _level(robot, self.sines.posture[None])[0]
         super().__init__(robot, FirstPosture(first, self.sines.weight))
-        inertia = np.diag(pin.crba(robot.model, robot.model.createData(), first))[6:]
-        self._kp, self._kd = _STIFF**2 * inertia, 2 * _STIFF * inertia
+        # Of all joints together: on loops of their own two in a row swing faster than either.
+        M = np.triu(pin.crba(robot.model, robot.model.createData(), first))[6:, 6:]
+        M = M + np.triu(M, 1).T
+        widest = np.abs(self.sines.checked[0] - self.sines.posture).max(axis=0)
+        moves = np.sqrt(robot.friction / (_STUCK * np.maximum(widest, 1e-9) * np.diag(M)))
+        D = np.diag(np.clip(moves, _STIFF, _STIFFEST))
+        self._kp, self._kd = D @ M @ D, D @ M + M @ D
         self._planned = self.first.planned
 
     @property
@@ -213,7 +221,7 @@ class Excitation(Tier):
         q, v, a = (each[0] for each in self.sines.at(np.array([time])))
         self._planned = Planned(q, self.first.planned.up)
         torque = _torque(self.robot, q, v, a)
-        torque += self._kp * (q - readings.q) + self._kd * (v - readings.dq)
+        torque += self._kp @ (q - readings.q) + self._kd @ (v - readings.dq)
         most = _MOST_TORQUE * self.robot.torque_limit
         return MotorCommand.of_torque(np.clip(torque, -most, most))
 

@@ -5,45 +5,37 @@
 with the links' inverse dynamics alone. Every term goes through the same two Gaussian filters, so
 that none is early or small against another: the first makes q'' and the sign of q' known, the
 second takes the noise. As a joint turns about, friction is anything between its two values: what a
-filter sees of that is left out. The offset is what wrong zeros of encoders leave of gravity.
+filter sees of that is left out.
+
+Encoders' zeros come first. One that is off by z changes what gravity and inertia ask of the joints
+around it: by -(d tau / d q) z, which all joints' equations tell together, by least squares of what
+their drives' own numbers leave. Positions are corrected by them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from scipy.optimize import minimize_scalar, nnls
 
 from llsrbm.errors import InputError
 from llsrbm.identification.log import Log
-from llsrbm.mechanics import GRAVITY
+from llsrbm.identification.signals import CUT, FIRST, LONGEST, Signals, smoothed
 from llsrbm.robots import Robot
-from llsrbm.robots.drives.torques import STILL
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 NAMES = ("armature", "friction", "damping")
 
-_FIRST = 0.003  # s, standard deviation of the first filter
 # Of the second; of each joint the longest that leaves enough, as noise falls with its power 1.5.
-_SECOND = (0.02, 0.014, 0.01, 0.007)
-_CUT = 8.0  # standard deviations at which filters end: at 5 a second derivative sees positions
-_SLOW = STILL  # share of the speed limit below which friction is not known
+_SECOND = (LONGEST, 0.014, 0.01, 0.007)
 _FAST = 2.0  # times that: reached by a tenth of what is used, or the joint creeps against stiction
-_TURNS = 0.02  # s before and after, in which a joint that turns about has any friction
 _LEAKS = 0.05  # share of what must not enter, that a filter may see
-# s by which a simulator's speeds are behind its positions: half of a step of up to a millisecond.
-# Then speeds tell when a torque acts. Of later speeds a drive's filter is the reason: positions do.
-_HALF_STEP = 6e-4
-_AT_STOP = 0.01  # rad or m
-_SATURATED = 0.97  # share of the torque limit
 _OUTLIER = 5.0  # robust standard deviations: links or ropes touched
 _ENOUGH, _LEAST = 60.0, 25.0  # independent samples
 _ALIKE = 60.0  # condition number of columns of unit length
@@ -51,6 +43,7 @@ _UNKNOWN = 0.3  # share of the armature; an error above it is no measurement
 _UNEXPLAINED = 0.08  # share of a drive's own torque; more is no drive's
 _DELAYS = (-0.004, 0.03)  # s
 _STEP = 5e-4  # s
+_ZERO = 0.005  # rad or m, standard deviation of encoders' zeros before anything is measured
 
 
 @dataclass(frozen=True)
@@ -73,6 +66,8 @@ class Identified:
 
     Attributes:
         joints: joint name -> its drive; undetermined: of the others, why.
+        zeros, zero_errors: (J,) rad or m that positions in the log are too large, and their
+            standard errors.
         delay, delay_error: s from a row's time until the torque acts that is commanded in it.
         speed_lag: s by which the log's speeds are behind the change of its positions.
         time: (K,) s; measured, modelled: (K, J) Nm of all joints, NaN of those not determined.
@@ -81,6 +76,8 @@ class Identified:
     log: Log
     joints: dict[str, JointDrive]
     undetermined: dict[str, str]
+    zeros: Array
+    zero_errors: Array
     delay: float
     delay_error: float
     speed_lag: float
@@ -96,18 +93,10 @@ def identify(robot: Robot, log: Log) -> Identified:
             f"{log.name}: nothing in it is of joints in the air; expected a log of `llsrbm deploy "
             "--excite`, or a flight"
         )
-    signals = _Signals(robot, log)
-    columns: list[_Column] = []
-    undetermined: dict[str, str] = {}
-    for joint, name in enumerate(robot.joint_names):
-        found = _column(signals, joint)
-        if isinstance(found, str):
-            undetermined[name] = found
-        else:
-            columns.append(found)
-    delay = _delay(columns) if columns else 0.0
-    columns = [column.without_outliers(delay) for column in columns]
-    delay = _delay(columns) if columns else 0.0
+    signals = Signals(robot, log)
+    zeros, zero_errors = _zeros(signals, *_columns(signals)[:2])
+    signals = Signals(robot, replace(log, q=log.q - zeros))
+    columns, delay, undetermined = _columns(signals)
     joints = {}
     delay_error = _delay_error(columns, delay)
     for column in columns:
@@ -129,11 +118,13 @@ def identify(robot: Robot, log: Log) -> Identified:
     if not joints:
         name, why = next(iter(undetermined.items()))
         raise InputError(f"{log.name}: no joint's drive can be told from it; {name}: {why}")
-    measured, modelled = signals.torques(joints, delay)
+    measured, modelled = _torques(signals, joints, delay)
     return Identified(
         log,
         joints,
         undetermined,
+        zeros,
+        zero_errors,
         delay + signals.lead,
         delay_error,
         signals.speed_lag,
@@ -143,105 +134,52 @@ def identify(robot: Robot, log: Log) -> Identified:
     )
 
 
-class _Signals:
-    """A log's signals after the first filter, in which all else is computed."""
-
-    def __init__(self, robot: Robot, log: Log) -> None:
-        self.robot, self.log, self.period = robot, log, log.period
-        self.time: Array = log.period * np.arange(len(log.q), dtype=np.float64)
-        self.q, self.dq, self.ddq = self._first(log.q), self._first(log.dq), self._first(log.dq, 1)
-        self.speed_lag = self._speed_lag()
-        if self._positions_are_better():
-            self.dq, self.ddq = self._first(log.q, 1), self._first(log.q, 2)
-            self.lead = self.speed_lag if self.speed_lag < _HALF_STEP else 0.0
+def _columns(signals: Signals) -> tuple[list[_Column], float, dict[str, str]]:
+    """The joints' equations, the delay, s, and of joints that have none, why."""
+    columns: list[_Column] = []
+    undetermined: dict[str, str] = {}
+    for joint, name in enumerate(signals.robot.joint_names):
+        found = _column(signals, joint)
+        if isinstance(found, str):
+            undetermined[name] = found
         else:
-            self.lead = 0.0 if self.speed_lag < _HALF_STEP else -self.speed_lag
-        self.sent, self.feedback = self._first(log.sent), self._first(log.feedback)
-        self.direction = np.tanh(self.dq / (0.1 * STILL * robot.speed_limit))
-        self.links = self._inverse_dynamics()
-        self.moving = np.abs(self.dq).max(axis=0) > self.slow
-        # What must not enter: joints that turn about, stops, full torque, gaps.
-        window = 2 * round(_TURNS / log.period) + 1
-        lowest, highest = (f(self.dq, window, axis=0) for f in (minimum_filter1d, maximum_filter1d))
-        lower, upper = robot.joint_stops
-        self.out = (lowest < self.slow) & (highest > -self.slow)
-        self.out |= (log.q < lower + _AT_STOP) | (log.q > upper - _AT_STOP)
-        self.out |= np.abs(log.sent - log.feedback) > _SATURATED * robot.torque_limit
-        self.out |= ~log.usable[:, None]
-
-    @property
-    def slow(self) -> Array:
-        """(J,) rad/s below which friction is not known."""
-        return _SLOW * self.robot.speed_limit
-
-    def _speed_lag(self) -> float:
-        """S by which the log's speeds are behind the change of its positions."""
-        deviation = _SECOND[0] / self.period
-        dq, by_q = (smoothed(each, deviation) for each in (self.dq, self._first(self.log.q, 1)))
-        change = smoothed(self._first(self.log.q, 2), deviation)
-        inside = slice(round(_CUT * deviation), -round(_CUT * deviation))
-        spread = np.maximum(np.sum((change**2)[inside], axis=0), 1e-12)
-        lags = np.sum(((by_q - dq) * change)[inside], axis=0) / spread
-        return float(np.average(lags, weights=spread))
-
-    def _positions_are_better(self) -> bool:
-        """Whether accelerations from positions have less noise than those from speeds."""
-        deviation = _SECOND[0] / self.period
-        # Of white noise of a row, the share in a Gaussian's second and first derivative.
-        shares = (
-            np.sqrt(0.75) / deviation**2 / self.period**2,
-            np.sqrt(0.5) / deviation / self.period,
-        )
-        noise = [
-            np.median(np.std(np.diff(each, n=3, axis=0), axis=0))
-            for each in (self.log.q, self.log.dq)
-        ]
-        return bool(noise[0] * shares[0] < noise[1] * shares[1])
-
-    def _first(self, values: Array, derivative: int = 0) -> Array:
-        return smoothed(values, _FIRST / self.period, derivative) / self.period**derivative
-
-    def _inverse_dynamics(self) -> Array:
-        """(K, J) Nm that the links take, by what the base's inertial unit feels."""
-        model = self.robot.model.copy()
-        model.armature[:] = 0.0
-        # Instead, the base accelerates by what the inertial unit shows: it feels no gravity.
-        model.gravity = pin.Motion.Zero()
-        data, count = model.createData(), len(self.q)
-        base = np.zeros((count, 9))
-        base[:, 5] = GRAVITY
-        if self.log.gyro is not None and self.log.acceleration is not None:
-            base[:, :3], base[:, 3:6] = map(self._first, (self.log.gyro, self.log.acceleration))
-            base[:, 6:] = self._first(self.log.gyro, 1)
-        q, v, a = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
-        found = np.empty_like(self.q)
-        for k in range(count):
-            q[7:], v[6:], a[6:] = self.q[k], self.dq[k], self.ddq[k]
-            v[3:6], a[:6] = base[k, :3], base[k, 3:]
-            found[k] = pin.rnea(model, data, q, v, a)[6:]
-        return found
-
-    def torques(self, joints: dict[str, JointDrive], delay: float) -> tuple[Array, Array]:
-        """(K, J) Nm, measured and modelled; NaN of joints that are not among these."""
-        measured, modelled = np.full((2, *self.q.shape), np.nan)
-        shifted = CubicSpline(self.time, self.sent)(self.time - delay - self.period / 2)
-        for k, name in enumerate(self.robot.joint_names):
-            if (drive := joints.get(name)) is not None:
-                measured[:, k] = shifted[:, k] - self.feedback[:, k]
-                modelled[:, k] = (
-                    self.links[:, k]
-                    + drive.armature * self.ddq[:, k]
-                    + drive.friction * self.direction[:, k]
-                    + drive.damping * self.dq[:, k]
-                    + drive.offset
-                )
-        return measured, modelled
+            columns.append(found)
+    if not columns:
+        return columns, 0.0, undetermined
+    delay = _delay(columns)
+    columns = [column.without_outliers(delay) for column in columns]
+    return columns, _delay(columns), undetermined
 
 
-def smoothed(values: Array, deviation: float, derivative: int = 0) -> Array:
-    """(K, ...) through a Gaussian filter of a standard deviation in rows, or its derivative."""
-    filtered: Array = gaussian_filter1d(values, deviation, axis=0, order=derivative, truncate=_CUT)
-    return filtered
+def _zeros(signals: Signals, columns: list[_Column], delay: float) -> tuple[Array, Array]:
+    """(J,) rad or m that the log's positions are too large, and their standard errors."""
+    by_zero = -signals.slopes()
+    known = np.eye(by_zero.shape[1]) / _ZERO**2
+    told = np.zeros(len(known))
+    for column in columns:
+        own = smoothed(by_zero[:, column.joint], column.second / signals.period)
+        beside = column.beside(own[column.rows])
+        known += beside.T @ beside / column.variance(delay)
+        told += beside.T @ column.residual(delay) / column.variance(delay)
+    covariance = np.linalg.inv(known)
+    return covariance @ told, np.sqrt(np.diag(covariance))
+
+
+def _torques(signals: Signals, joints: dict[str, JointDrive], delay: float) -> tuple[Array, Array]:
+    """(K, J) Nm, measured and modelled; NaN of joints that are not among these."""
+    measured, modelled = np.full((2, *signals.q.shape), np.nan)
+    shifted = CubicSpline(signals.time, signals.sent)(signals.time - delay - signals.period / 2)
+    for k, name in enumerate(signals.robot.joint_names):
+        if (drive := joints.get(name)) is not None:
+            measured[:, k] = shifted[:, k] - signals.feedback[:, k]
+            modelled[:, k] = (
+                signals.links[:, k]
+                + drive.armature * signals.ddq[:, k]
+                + drive.friction * signals.direction[:, k]
+                + drive.damping * signals.dq[:, k]
+                + drive.offset
+            )
+    return measured, modelled
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,6 +189,7 @@ class _Column:
     Attributes:
         X: (N, 4) of q'', sign of q', q' and 1; links: (N,) Nm that links and feedback take.
         sent: commanded torque at a time; times: (N,) s, of the middle of what is held then.
+        rows: (N,) of the log; second: s, standard deviation of the second filter.
         independent: how many of the equations are independent of each other.
     """
 
@@ -259,6 +198,8 @@ class _Column:
     links: Array
     sent: CubicSpline
     times: Array
+    rows: NDArray[np.int64]
+    second: float
     independent: float
 
     @cached_property
@@ -273,13 +214,14 @@ class _Column:
 
     def residual(self, delay: float) -> Array:
         """(N,) Nm that nothing explains."""
-        return self._beside(self.torque(delay))
+        return self.beside(self.torque(delay))
 
     def slope(self, delay: float) -> Array:
         """(N,) Nm/s by which the residual changes with the delay."""
-        return self._beside(-self.sent(self.times - delay, 1))
+        return self.beside(-self.sent(self.times - delay, 1))
 
-    def _beside(self, values: Array) -> Array:
+    def beside(self, values: Array) -> Array:
+        """(N, ...) of it what the drive's own numbers cannot explain."""
         beside: Array = values - self._basis @ (self._basis.T @ values)
         return beside
 
@@ -293,13 +235,13 @@ class _Column:
         size = np.abs(self.residual(delay))
         kept = size < _OUTLIER * 1.4826 * max(float(np.median(size)), 1e-12)
         share = float(kept.mean())
-        return _Column(
-            self.joint,
-            self.X[kept],
-            self.links[kept],
-            self.sent,
-            self.times[kept],
-            share * self.independent,
+        return replace(
+            self,
+            X=self.X[kept],
+            links=self.links[kept],
+            times=self.times[kept],
+            rows=self.rows[kept],
+            independent=share * self.independent,
         )
 
     def drive(self, delay: float, delay_error: float) -> JointDrive:
@@ -318,7 +260,7 @@ class _Column:
         )
 
 
-def _column(signals: _Signals, joint: int) -> _Column | str:
+def _column(signals: Signals, joint: int) -> _Column | str:
     """The equations of a joint, by the longest filter that leaves enough; or why there are none."""
     if not signals.moving[joint]:
         return "it does not move"
@@ -337,10 +279,10 @@ def _column(signals: _Signals, joint: int) -> _Column | str:
     return found
 
 
-def _filtered(signals: _Signals, joint: int, second: float) -> _Column:
+def _filtered(signals: Signals, joint: int, second: float) -> _Column:
     period = signals.period
     deviation = second / period
-    edge = int(np.ceil(_CUT * (second + _FIRST) / period + _DELAYS[1] / period))
+    edge = int(np.ceil(CUT * (second + FIRST) / period + _DELAYS[1] / period))
     every = slice(edge, max(edge, len(signals.q) - edge), max(1, int(deviation / 2)))
 
     def through(values: Array) -> Array:
@@ -349,13 +291,15 @@ def _filtered(signals: _Signals, joint: int, second: float) -> _Column:
     kept = through(signals.out)[every] < _LEAKS
     time = signals.time[every][kept]
     columns = [through(each)[every][kept] for each in (signals.ddq, signals.direction, signals.dq)]
-    both = float(np.hypot(second, _FIRST))
+    both = float(np.hypot(second, FIRST))
     return _Column(
         joint,
         np.column_stack([*columns, np.ones(len(time))]),
         through(signals.links + signals.feedback)[every][kept],
         CubicSpline(signals.time, through(signals.sent)),
         np.asarray(time - period / 2),  # a command is held until the next
+        np.arange(len(signals.q))[every][kept],
+        second,
         len(time) * every.step * period / (2 * np.sqrt(np.pi) * both),
     )
 

@@ -1,9 +1,13 @@
 """The excitation: within limits, smooth, and a whole play whose log is identified."""
 
+from dataclasses import replace
+
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from benchmarks.identify import GOALS, errors, hidden
+from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
 from llsrbm.identification import identify, read_log
 from llsrbm.identification.excitation import Excitation, sines
@@ -13,6 +17,8 @@ from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.wire.simulated_robot import Conditions, DirectLink, SimulatedRobot
 from tests.llsrbm.identification.synthetic import GO2
+
+LEVEL = np.array([1.0, 0, 0, 0]), np.zeros(3), np.array([0, 0, 9.81])
 
 
 @pytest.mark.parametrize("name", ["go2", "anymal", "g1", "slider"])
@@ -29,6 +35,44 @@ def test_it_stays_within_stops_speeds_torques_and_apart(name):
     assert LinkShapes.of(robot).nearest(np.hstack([base, q]))[0].min() > 0.003
     assert v[0] == pytest.approx(0.0, abs=1e-9)
     assert v[-1] == pytest.approx(0.0, abs=1e-9)
+
+
+def loop(robot):
+    """Mass matrix of the joints and the loop's gains, both as a command has them."""
+    excitation = Excitation(robot, 60.0)
+    first, joints = excitation.first, len(robot.joint_names)
+    still = Readings(0.0, *LEVEL, first.joints, np.zeros(joints), np.zeros(joints), None)
+    about = excitation.command(0.0, still).tau
+
+    def gains(field):
+        step = 1e-4 * np.eye(joints)
+        moved = [replace(still, **{field: getattr(still, field) + off}) for off in step]
+        return np.array([(about - excitation.command(0.0, each).tau) / 1e-4 for each in moved]).T
+
+    q = np.concatenate([robot.posture[:3], [0, 0, 0, 1], first.joints])
+    M = np.triu(pin.crba(robot.model, robot.model.createData(), q))[6:, 6:]
+    return M + np.triu(M, 1).T, gains("q"), gains("dq")
+
+
+@pytest.mark.parametrize("name", ["g1", "slider", "go2"])
+def test_joints_in_a_row_do_not_swing_faster_than_their_loops(name):
+    """However far rotors are from the file's, and with commands 5 ms late."""
+    robot = load_robot(name)
+    M, stiffness, damping = loop(robot)
+    for share in (0.7, 1.3):
+        inverse = np.linalg.inv(M + (share - 1) * np.diag(robot.armature))
+        period, late = 1e-3, 5
+        joints = len(M)
+        x, v = np.zeros((2, joints))
+        x[:] = 0.01
+        commands = [np.zeros(joints)] * late
+        largest = []
+        for _ in range(600):
+            commands.append(-stiffness @ x - damping @ v)
+            v = v + period * inverse @ commands[-1 - late]
+            x = x + period * v
+            largest.append(np.abs(x).max())
+        assert largest[-1] < 1e-4, name
 
 
 def test_speeds_and_accelerations_are_derivatives():

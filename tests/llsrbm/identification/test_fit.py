@@ -58,6 +58,15 @@ def test_all_numbers_scale_with_the_torque(log, found):
     assert double.delay == pytest.approx(found.delay, abs=1e-7)
 
 
+def test_encoders_zeros_are_told_and_make_up_for(log, found):
+    """The same motion, read by encoders whose zeros are off."""
+    zeros = 0.004 * np.random.default_rng(2).standard_normal(len(GO2.joint_names))
+    off = identify(GO2, replace(log, q=log.q + zeros))
+    assert np.abs(off.zeros - found.zeros - zeros).max() < 4e-4  # of up to 10 mrad
+    assert (off.zero_errors < 5e-4).all()
+    assert numbers(off) == pytest.approx(numbers(found), rel=5e-3)
+
+
 def test_what_motors_take_by_their_own_gains_is_not_delayed(log, found):
     taken = 2.0 * log.q + 0.1 * log.dq
     sent = log.sent + ahead(taken, DELAY + log.period / 2, log.period)
