@@ -155,14 +155,14 @@ def _zeros(signals: Signals, columns: list[_Column], delay: float) -> tuple[Arra
     """(J,) rad or m that the log's positions are too large, and their standard errors."""
     by_zero = -signals.slopes()
     known = np.eye(by_zero.shape[1]) / _ZERO**2
-    told = np.zeros(len(known))
+    information = np.zeros(len(known))
     for column in columns:
         own = smoothed(by_zero[:, column.joint], column.second / signals.period)
         beside = column.beside(own[column.rows])
         known += beside.T @ beside / column.variance(delay)
-        told += beside.T @ column.residual(delay) / column.variance(delay)
+        information += beside.T @ column.residual(delay) / column.variance(delay)
     covariance = np.linalg.inv(known)
-    return covariance @ told, np.sqrt(np.diag(covariance))
+    return covariance @ information, np.sqrt(np.diag(covariance))
 
 
 def _torques(signals: Signals, joints: dict[str, JointDrive], delay: float) -> tuple[Array, Array]:

@@ -103,7 +103,7 @@ class Signals:
         return found
 
     def _states(self) -> Iterator[tuple[pin.Model, pin.Data, tuple[Array, Array, Array]]]:
-        """Of each row the links' model and q, v, a, the base by what its inertial unit feels."""
+        """The links' model and q, v, a of each row, the base by what its inertial unit feels."""
         model = self.robot.model.copy()
         model.armature[:] = 0.0
         # Instead, the base accelerates by what the inertial unit shows: it feels no gravity.
