@@ -38,6 +38,8 @@ _COLOURS = {
 }
 
 
+DRAFT = "draft"
+"""Limit of a verdict on a plan that is not the whole body's: its drives were looked at in knots."""
 _OF_A_MOTION = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED, Verdict.FELL)
 """Verdicts on a motion that can be checked; pressed, they open its certificate."""
 
@@ -58,7 +60,9 @@ class Status:
     @property
     def html(self) -> str:
         """All of it with its bar, in a place of the same size whatever it is (static/panel.js)."""
-        word, colour = self.verdict.value, _GREY if self.outdated else _COLOURS[self.verdict]
+        word, colour = self.verdict.value, _COLOURS[self.verdict]
+        if self.outdated or self.limit == DRAFT:
+            colour = _GREY if self.outdated else _AMBER
         large = escape(f"{word}, {self.limit}" if self.limit else word)
         if self.verdict in _OF_A_MOTION and not self.busy:
             large = f'<button type="button" title="Show the certificate">{large}</button>'

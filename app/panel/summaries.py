@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from html import escape
 
 from app.panel.html import SMALL, table
-from app.panel.status import SeedResult, Status, Verdict
+from app.panel.status import DRAFT, SeedResult, Status, Verdict
 from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.wording import (
@@ -44,7 +44,8 @@ def plan_status(
         parts.append("not refined: the whole body's plan was not found")
     if plan.report.compiling:
         parts.append("solver still being compiled")
-    return Status(Verdict.FEASIBLE, ", ".join(parts), figures=tuple(shown))
+    limit = "" if plan.refined else DRAFT
+    return Status(Verdict.FEASIBLE, ", ".join(parts), limit=limit, figures=tuple(shown))
 
 
 def refused_status(reason: str, remark: str = "") -> Status:

@@ -21,7 +21,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.table import JointDrives, Losses
-from tests.app.synthetic_plan import FLY, synthetic_plan
+from tests.app.synthetic_plan import FLY, refined_plan, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
@@ -54,7 +54,17 @@ def test_a_plan_is_told_by_flight_apex_and_torque(plan):
     assert flight == ("Flight time", f"{FLY:.3f} s")
     assert re.fullmatch(r"\d+\.\d cm", apex[1])
     assert re.fullmatch(r"\d+ %", torque[1])
-    assert re.sub(r"<[^>]*>", "", status.html).startswith("Feasible from file a.npz Flight time 0.")
+    assert re.sub(r"<[^>]*>", "", status.html).startswith(
+        "Feasible, draft from file a.npz Flight time 0."
+    )
+
+
+def test_a_plan_is_green_once_it_is_the_whole_bodys(plan):
+    draft, whole = plan_status(plan), plan_status(refined_plan(plan))
+    assert (draft.limit, whole.limit) == ("draft", "")
+    green, amber = (re.search(r"--verdict:(#\w+)", each.html)[1] for each in (whole, draft))
+    nearest = plan_status(plan, wanted=replace(plan.jump, twist=1.0), reason="so")
+    assert amber == re.search(r"--verdict:(#\w+)", nearest.html)[1] != green
 
 
 def test_a_refusal_is_told_by_the_nearest_and_the_reason(plan):
