@@ -48,11 +48,11 @@ def one(
     """Plan and refine one request, `share` of its displacement; `settle`: by compiled solvers."""
     motion = {name: share * request[name] for name in COMPONENTS if name in request}
     jump = with_defaults(llsrbm.Jump(robot=request["robot"], type=kind, **motion))
-    begun = time.process_time()
     try:
+        planner = planner_of(jump)
         if settle:
-            planner_of(jump).formulation.solver.settle()
-            begun = time.process_time()
+            planner.formulation.solver.settle()
+        begun = time.process_time()
         first = llsrbm.plan(jump, patient=False, explains=False)
     except (llsrbm.NotConverged, llsrbm.InputError) as error:
         return {**request, "planned": False, "why": str(error)}
