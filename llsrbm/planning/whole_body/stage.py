@@ -78,6 +78,7 @@ class _Stage:
             rows=tuple(Row(values, name in EQUALITIES) for name, values in rows),
             next_state=self._next_state() if self.u else None,
             lift=self.mark,
+            exact=False,  # the cost alone: twice the iterations, a third of the time to build
         )
 
     def _next_state(self) -> Any:
