@@ -47,7 +47,10 @@
   window.addEventListener("resize", follow);
   // viser's page is as large as the window and has no bar to scroll back by: what a browser scrolls
   // into view by itself, while a new panel has not found its place, would leave it shifted.
-  document.addEventListener("scroll", () => window.scrollTo(0, 0));
+  document.addEventListener("scroll", ({ target }) => {
+    const canvas = window.__viserMutable?.canvas;
+    if (canvas && target.contains(canvas)) (target.scrollingElement ?? target).scrollTo(0, 0);
+  }, true);
 
   llsrbm.layout = {
     over, soon, watch,

@@ -244,7 +244,7 @@ def fill(page, label, value):
 
 def status(page, word, timeout=20_000):
     """Wait for a status; an answer that is still being refined does not count."""
-    state = '[aria-busy="false"]' if word.split()[0].rstrip(".") in ANSWERS else ""
+    state = '[aria-busy="false"]' if word.split()[0].rstrip(".,") in ANSWERS else ""
     line = page.locator(f'[role="status"]{state}').filter(has_text=re.compile(rf"^\s*{word}"))
     line.wait_for(timeout=timeout)
     text = line.inner_text()

@@ -228,15 +228,18 @@ def test_charts_are_as_wide_as_the_picture_and_cover_nothing(page, view, rows):
 
 
 def test_the_page_stays_where_it_is_whatever_is_scrolled_into_view(page):
-    page.evaluate("""() => {
+    scrolled = """(where) => {
       const low = document.createElement("div");
       low.id = "low";
       low.style.cssText = "position: absolute; top: 100%; height: 50px; width: 50px";
-      document.body.append(low);
+      document.querySelector(where).append(low);
       low.scrollIntoView();
-    }""")
-    wait_until(lambda: page.evaluate("window.scrollY") == 0, "the page's top")
-    page.evaluate("document.getElementById('low').remove()")
+      return document.querySelector("canvas").getBoundingClientRect().top;
+    }"""
+    for where in ("body", "[data-dock-root]"):
+        assert page.evaluate(scrolled, where) < 0
+        wait_until(lambda: page.evaluate(BOXES)["picture"][1] == 0, "the picture's place")
+        page.evaluate("document.getElementById('low').remove()")
 
 
 def test_the_area_is_minimised_and_opened(page):
