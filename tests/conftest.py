@@ -13,6 +13,8 @@ from hypothesis import settings
 # Solvers as they are everywhere: no compiler runs beside the tests, and none's work is used; tests
 # of compiled functions say so themselves.
 os.environ["LLSRBM_COMPILE"] = "0"
+# A process of tests a core: threads of the linear algebra would wait for each other.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # MB of solvers that a process of tests keeps: all that it needs, once each.
 SOLVERS = 6000.0
