@@ -26,10 +26,10 @@ from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-FROM_FAR = SolveOptions(mu=1e-2, iterations=50, push=0.01, acceptable=(5e-3, 4), tolerance=1e-3)
-LOOK = replace(FROM_FAR, iterations=8)  # after so many distances are measured again
+FROM_FAR = SolveOptions(mu=1e-2, iterations=100, push=0.01, acceptable=(5e-3, 4), tolerance=1e-3)
+LOOK = replace(FROM_FAR, iterations=16)  # after so many distances are measured again
 NEARER = replace(FROM_FAR, mu=1e-3)
-NEAR = replace(FROM_FAR, mu=1e-4, iterations=40)
+NEAR = replace(FROM_FAR, mu=1e-4, iterations=80)
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
 BETWEEN = 8  # instants an interval at which a motion's links are looked at

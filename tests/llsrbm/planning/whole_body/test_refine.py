@@ -146,7 +146,8 @@ def test_its_file_says_so(tmp_path):
 
 def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
     first, _, _ = plans()
-    monkeypatch.setattr(rounds, "FROM_FAR", replace(rounds.FROM_FAR, iterations=2))
+    for name in ("FROM_FAR", "LOOK"):
+        monkeypatch.setattr(rounds, name, replace(rounds.FROM_FAR, iterations=2))
     monkeypatch.setattr(rounds, "ROUNDS", 1)
     kept = refine.refined(first)
     assert not kept.refined
