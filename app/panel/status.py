@@ -60,9 +60,8 @@ class Status:
     @property
     def html(self) -> str:
         """All of it with its bar, in a place of the same size whatever it is (static/panel.js)."""
-        word, colour = self.verdict.value, _COLOURS[self.verdict]
-        if self.outdated or self.limit == DRAFT:
-            colour = _GREY if self.outdated else _AMBER
+        word, colour = self.verdict.value, _AMBER if self.limit == DRAFT else _COLOURS[self.verdict]
+        colour = _GREY if self.outdated else colour
         large = escape(f"{word}, {self.limit}" if self.limit else word)
         if self.verdict in _OF_A_MOTION and not self.busy:
             large = f'<button type="button" title="Show the certificate">{large}</button>'

@@ -154,14 +154,14 @@ def _columns(signals: Signals) -> tuple[list[_Column], float, dict[str, str]]:
 def _zeros(signals: Signals, columns: list[_Column], delay: float) -> tuple[Array, Array]:
     """(J,) rad or m that the log's positions are too large, and their standard errors."""
     by_zero = -signals.slopes()
-    known = np.eye(by_zero.shape[1]) / _ZERO**2
-    information = np.zeros(len(known))
+    precision = np.eye(by_zero.shape[1]) / _ZERO**2
+    information = np.zeros(len(precision))
     for column in columns:
         own = smoothed(by_zero[:, column.joint], column.second / signals.period)
         beside = column.beside(own[column.rows])
-        known += beside.T @ beside / column.variance(delay)
+        precision += beside.T @ beside / column.variance(delay)
         information += beside.T @ column.residual(delay) / column.variance(delay)
-    covariance = np.linalg.inv(known)
+    covariance = np.linalg.inv(precision)
     return covariance @ information, np.sqrt(np.diag(covariance))
 
 
