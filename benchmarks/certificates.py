@@ -22,12 +22,12 @@ from benchmarks.range import COMPONENTS, requests
 from llsrbm.certificate import Finding
 
 
-def one(request: dict[str, Any], refine: bool) -> dict[str, Any] | None:
+def one(request: dict[str, Any], draft: bool) -> dict[str, Any] | None:
     """The request, its certificate and how long that took; None: not planned."""
     motion = {name: request[name] for name in COMPONENTS if name in request}
     jump = llsrbm.Jump(robot=request["robot"], **motion)
     try:
-        plan = llsrbm.plan(jump, patient=False, explains=False, refine=refine)
+        plan = llsrbm.plan(jump, patient=False, explains=False, draft=draft)
     except llsrbm.NotConverged:
         return None
     start = time.perf_counter()
@@ -68,13 +68,13 @@ def main(
     robots: str = "anymal,go2,slider,g1",
     count: Annotated[int, typer.Option("--requests", help="A robot.")] = 30,
     seed: Annotated[int, typer.Option(help="Draws the requests.")] = 7000,
-    refine: Annotated[bool, typer.Option("--refine", help="With the second stage.")] = False,
+    draft: Annotated[bool, typer.Option("--draft", help="The first stage alone.")] = False,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
 ) -> None:
     """Print a table a robot."""
     results = []
     for robot in robots.split(","):
-        found = [one(request, refine) for request in requests(robot, count, seed)]
+        found = [one(request, draft) for request in requests(robot, count, seed)]
         rows = [row for row in found if row is not None]
         results += rows
         if rows:

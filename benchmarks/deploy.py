@@ -4,8 +4,8 @@
 
 Between player and motors are the delay (2 ± 1 ms), encoders' steps and zeros, an inertial unit with
 noise and biases, torque estimates that err, a battery that sags; the closed loop stands behind its
-own estimator. Nothing here depends on how fast the machine is. Plans, `--refine`d as
-`llsrbm plan` does, are kept in the folder P. The player was tuned on seeds 9200 to 9249.
+own estimator. Nothing here depends on how fast the machine is. Plans, as
+`llsrbm plan` makes them, are kept in the folder P. The player was tuned on seeds 9200 to 9249.
 `--disturbed`: each seed also draws the trunk's mass, friction, the ground's softness and now and
 then 2 ms more of delay, as `llsrbm simulate --seed` does.
 
@@ -48,7 +48,7 @@ def plan_of(name: str, folder: Path) -> llsrbm.Plan:
     """The refined plan of a jump, from the folder if it is there."""
     path = folder / f"{name}.npz"
     if not path.exists():
-        llsrbm.plan(llsrbm.Jump(**JUMPS[name]), refine=True).save(path)
+        llsrbm.plan(llsrbm.Jump(**JUMPS[name])).save(path)
     plan = llsrbm.load(path)
     assert isinstance(plan, llsrbm.Plan)
     return plan

@@ -144,7 +144,7 @@ def erring(work: tuple[str, Cell, int, str]) -> dict[str, Any]:
 
 @cache
 def _planned(robot: str, cell: Cell) -> Any:
-    return llsrbm.plan(cell.jump(robot, "llsrbm-plus"))
+    return llsrbm.plan(cell.jump(robot, "llsrbm-plus"), draft=True)
 
 
 def error(true: tuple[Any, Any], estimated: tuple[Any, Any]) -> list[float]:

@@ -59,7 +59,7 @@ def write_tuck(path: Path) -> None:
     """Go2's back flip as two models plan it, below each the model's inertia at that instant."""
     halves = []
     for model in MODELS:
-        plan = llsrbm.plan(llsrbm.Jump("go2", model, type="flip", pitch=-math.tau))
+        plan = llsrbm.plan(llsrbm.Jump("go2", model, type="flip", pitch=-math.tau), draft=True)
         halves.append(_captioned(plan, _exported(plan)))
     first, last = round(FROM * FPS), round(UNTIL * FPS)
     pictures = [

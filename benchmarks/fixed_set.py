@@ -44,7 +44,7 @@ def write(folder, name, jump):
     """Plan and simulate one; a refusal is written as text."""
     flip = jump.type == "flip"
     try:
-        plan = llsrbm.plan(jump, patient=flip)
+        plan = llsrbm.plan(jump, patient=flip, draft=True)
     except llsrbm.Error as error:
         (folder / f"{name}.txt").write_text(str(error), encoding="utf-8")
         return "refused"

@@ -4,8 +4,8 @@
 
 Requests and disturbances are those of `benchmarks.range` for the seed, one simulation a plan. Plans
 are kept in the folder P: another version that is given the same folder follows the same plans, and
-one that is run `--against` the file of results that another wrote prints both. `--refine` follows
-what the second stage makes of them, `--delay-unknown` with a controller that does not find out how
+one that is run `--against` the file of results that another wrote prints both. `--draft` follows
+those of the first stage, `--delay-unknown` with a controller that does not find out how
 late its drives are.
 The controller was tuned on seeds below 500.
 
@@ -163,7 +163,7 @@ def main(
     seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 7100,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
     against: Annotated[Path | None, typer.Option(help="Results to print as well.")] = None,
-    refine: Annotated[bool, typer.Option("--refine", help="With the second stage.")] = False,
+    draft: Annotated[bool, typer.Option("--draft", help="The first stage alone.")] = False,
     delay_unknown: Annotated[
         bool,
         typer.Option("--delay-unknown", help="The controller does not know the drives' delay."),
@@ -185,7 +185,7 @@ def main(
         for request in requests(robot, count, seed):
             plan = plan_of(request, plans)
             if plan is not None:
-                plan = refined(plan) if refine else plan
+                plan = plan if draft else refined(plan)
                 results.append({**request, **follow(plan, request["seed"])})
         print(row(robot, results), flush=True)
         seeds = {result["seed"] for result in results}

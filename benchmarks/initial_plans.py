@@ -16,7 +16,7 @@ from llsrbm.robots import names
 def main() -> None:
     """Make the plan of every robot's example."""
     for robot in names():
-        plan = llsrbm.plan(example(robot))
+        plan = llsrbm.plan(example(robot), draft=True)
         path = shipped_file(robot)
         path.parent.mkdir(exist_ok=True)
         plan.save(path)

@@ -145,7 +145,7 @@ def score(
 def judged(jump: llsrbm.Jump, seeds: range, estimator: str, regeneration: float | None) -> str:
     """The cells of one jump."""
     try:
-        plan = llsrbm.plan(jump)
+        plan = llsrbm.plan(jump, draft=True)
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
     outcomes = simulated(plan, seeds, estimator, regeneration)

@@ -90,7 +90,7 @@ def main(
             level = {n: request[n] for n in COMPONENTS if n in request and n != "height"}
             jump = llsrbm.Jump(robot=robot, **level)
             try:
-                plan = llsrbm.plan(jump, patient=False, explains=False, refine=True)
+                plan = llsrbm.plan(jump, patient=False, explains=False)
             except llsrbm.NotConverged:
                 continue
             if plan.refined:

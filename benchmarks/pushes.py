@@ -79,7 +79,7 @@ def jump_of(robot: str) -> llsrbm.Jump:
 
 @lru_cache
 def plan_of(robot: str) -> Any:
-    return llsrbm.plan(jump_of(robot))
+    return llsrbm.plan(jump_of(robot), draft=True)
 
 
 def recovered(robot: str, scenario: llsrbm.Scenario) -> bool:

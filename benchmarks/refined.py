@@ -53,7 +53,7 @@ def one(
         if settle:
             planner.formulation.solver.settle()
         begun = time.process_time()
-        first = llsrbm.plan(jump, patient=False, explains=False)
+        first = llsrbm.plan(jump, patient=False, explains=False, draft=True)
     except (llsrbm.NotConverged, llsrbm.InputError) as error:
         return {**request, "planned": False, "why": str(error)}
     planned = time.process_time()

@@ -51,7 +51,7 @@ def digests(rollout: Any) -> dict[str, str]:
 
 def one(robot: str, latency: str) -> dict[str, Any]:
     """Simulate one robot's jump: digests and computing times."""
-    plan = llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS.get(robot, JUMPS["anymal"])))
+    plan = llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS.get(robot, JUMPS["anymal"])), draft=True)
     push = llsrbm.Push(plan.lift_off - 0.02, (0.0, PUSH.get(robot, 3.5), 0.0))
     rollout = llsrbm.simulate(plan, seed=SEED, pushes=(push,), replan=True, replan_latency=latency)
     outcome = rollout.outcome

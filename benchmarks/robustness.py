@@ -79,7 +79,7 @@ def one(work: tuple[Cell, str, str, int, llsrbm.Scenario]) -> dict[str, Any]:
     cell, robot, model, seed, scenario = work
     key = (robot, model, cell)
     if key not in _plans:
-        _plans[key] = llsrbm.plan(cell.jump(robot, model))
+        _plans[key] = llsrbm.plan(cell.jump(robot, model), draft=True)
     plan = _plans[key]
     bound = scenario.trunk_mass
     scenario = scenario.but(

@@ -44,7 +44,7 @@ JUMPS = {
 
 def make_plan(robot: str, path: str) -> None:
     """Save the plan that both versions follow."""
-    llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS[robot])).save(path)
+    llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS[robot]), draft=True).save(path)
 
 
 def follow(plan_path: str, torque_path: str) -> dict[str, float]:

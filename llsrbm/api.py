@@ -5,14 +5,17 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.errors import InputError
+from llsrbm.certificate import certified
+from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.problem.placement import make_task
@@ -37,11 +40,14 @@ def plan(
     patient: bool = True,
     explains: bool = True,
     hurried: bool = False,
-    refine: bool = False,
+    draft: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[PlanningProgress], None] | None = None,
 ) -> Plan:
-    """Plan a jump; the solver of each robot and model is built once and kept.
+    """Plan a jump; the solvers of each robot and model are built once and kept.
+
+    The plan is the whole body's, with its certificate; `Plan.certified`: it holds. Where the whole
+    body's problem finds none the draft is returned, which `Plan.refined` and `refinement` say.
 
     Args:
         jump: the request.
@@ -55,8 +61,8 @@ def plan(
             now and then the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
         hurried: for a slider that moves: the first nearer jump, unexplained, in half the time.
-        refine: a second stage with the whole body's equations of motion and every joint's stops,
-            drives and friction; `Plan.refined`: it converged, else the first one stands.
+        draft: the centroidal plan of the first stage alone, in a fraction of the time. Its drives
+            were looked at in knots only; it carries no certificate.
         cancelled: asked all the while, also while solvers are built; True: `Cancelled` in 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
@@ -71,20 +77,47 @@ def plan(
     # A request out of range builds no solver.
     make_task(jump, load_robot(jump.robot), weights, limits)
     planner, build_time = _timed_planner(jump, solver, intervals, cancelled)
-    result = planner.plan(
-        jump,
-        weights=weights,
-        limits=limits,
-        near=near,
-        guesses=guesses,
-        patient=patient,
-        explains=explains,
-        hurried=hurried,
-        cancelled=cancelled,
-        progress=progress,
-    )
-    result = replace(result, report=replace(result.report, build_time_s=build_time))
-    return refined(result, cancelled=cancelled, progress=progress) if refine else result
+    try:
+        first = planner.plan(
+            jump,
+            weights=weights,
+            limits=limits,
+            near=near,
+            guesses=guesses,
+            patient=patient,
+            explains=explains,
+            hurried=hurried,
+            cancelled=cancelled,
+            progress=progress,
+        )
+    except NotConverged as error:
+        if draft or error.nearest is None:
+            raise
+        nearest = whole_body_plan(error.nearest, cancelled=cancelled, progress=progress)
+        raise error.with_nearest(nearest) from None
+    first = replace(first, report=replace(first.report, build_time_s=build_time))
+    return first if draft else whole_body_plan(first, cancelled=cancelled, progress=progress)
+
+
+def whole_body_plan(
+    draft: Plan,
+    *,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[PlanningProgress], None] | None = None,
+) -> Plan:
+    """The whole body's plan of a draft that converged, with its certificate.
+
+    Where none is found it is the draft, without one; its `refinement` says so.
+
+    Raises:
+        Cancelled: `cancelled` was true.
+    """
+    found = refined(draft, cancelled=cancelled, progress=progress)
+    if not found.refined:
+        return found
+    if progress is not None:
+        progress(PlanningProgress("checking the motion at 1 kHz"))
+    return interruptible(partial(certified, found), cancelled)
 
 
 def _timed_planner(

@@ -134,6 +134,10 @@ class NotConverged(Error):
     def __str__(self) -> str:
         return str(self.args[0])
 
+    def with_nearest(self, nearest: Any) -> NotConverged:
+        """The same with another plan of the nearest jump."""
+        return NotConverged(str(self), self.plan, self.stops, nearest, self.reason)
+
 
 class Cancelled(Error):
     """The computation was stopped on request before it had a result."""

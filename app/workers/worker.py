@@ -73,6 +73,7 @@ class LibraryPlanner:
             "limits": task.tuning.limits,
             "patient": looks,
             "hurried": not task.patient,
+            "draft": True,  # the whole body's follows once the request has rested
             "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             "cancelled": cancelled,
         }
@@ -86,7 +87,7 @@ class LibraryPlanner:
         self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """The whole body's plan from a plan, or that plan, which says that there was none."""
-        from llsrbm.planning.whole_body.refine import refined
+        from llsrbm.api import whole_body_plan
 
         solver = tasks.solver_of(task.plan.jump)
         if solver not in self._refined:
@@ -95,7 +96,7 @@ class LibraryPlanner:
                 "first time"
             )
             self._refined.add(solver)
-        return refined(
+        return whole_body_plan(
             task.plan,
             progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,

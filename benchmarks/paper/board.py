@@ -18,7 +18,7 @@ DETECTORS = {"norm": "the paper's norm", "residual": "ours, in standard deviatio
 
 
 def result(folder: Path) -> Result:
-    plan = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=math.radians(30)))
+    plan = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=math.radians(30)), draft=True)
     runs = {
         name: [
             llsrbm.simulate(plan, llsrbm.Scenario(seed=seed, board=BOARD, detector=name))

@@ -22,7 +22,10 @@ RUN_UPS = (0.4, 0.8, 1.2)  # m/s, of jumps that begin and end moving: momentum i
 
 
 def result(folder: Path) -> Result:
-    plans = {m: llsrbm.plan(llsrbm.Jump(robot="anymal", model=m, forward=0.3)) for m in MODELS}
+    plans = {
+        m: llsrbm.plan(llsrbm.Jump(robot="anymal", model=m, forward=0.3), draft=True)
+        for m in MODELS
+    }
     runs = {
         m: [llsrbm.simulate(plan, llsrbm.Scenario(seed=seed)) for seed in SEEDS]
         for m, plan in plans.items()
@@ -86,7 +89,7 @@ def _with_run_up() -> tuple[str, Table]:
         for model in ("llsrbm-plus", "srbm"):
             jump = llsrbm.Jump(robot="anymal", model=model, type="run-up", forward=0.5, speed=speed)
             try:
-                plan = llsrbm.plan(jump)
+                plan = llsrbm.plan(jump, draft=True)
             except NotConverged:
                 rows.append([f"{speed:g} m/s", TITLE[model], "not planned", "", "", ""])
                 continue

@@ -34,7 +34,10 @@ class Figures(NamedTuple):
 
 
 def result(folder: Path) -> Result:
-    plans = {m: llsrbm.plan(llsrbm.Jump(robot="anymal", model=m, twist=TWIST)) for m in MODELS}
+    plans = {
+        m: llsrbm.plan(llsrbm.Jump(robot="anymal", model=m, twist=TWIST), draft=True)
+        for m in MODELS
+    }
     rollouts = {m: llsrbm.simulate(plan) for m, plan in plans.items()}
     figures = [
         (

@@ -10,7 +10,7 @@ import numpy as np
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.body.peak_loads import PeakLoad, peak_load, torque_share
-from llsrbm.certificate import certified, stated
+from llsrbm.certificate import certified
 from llsrbm.certificate.power import DrivePower, PowerForecast
 from llsrbm.errors import InputError, NotConverged, RobotFileError, Stop
 from llsrbm.mechanics import final_yaw
@@ -56,13 +56,11 @@ def plan_summary(plan: Plan) -> dict[str, Any]:
 def certificate_summary(plan: Plan) -> dict[str, Any]:
     """Further output of `llsrbm plan --json`: `certificate` and `certified`, whether it holds.
 
-    Null of a plan that failed, whose instants may run backwards, and where the robot is not there
-    or has other joints by now.
+    No certificate, null, is of a plan that failed, whose instants may run backwards, and where the
+    robot is not there or has other joints by now.
     """
-    certificate = stated(certified(plan))
-    if certificate is None:
-        return {"certificate": None, "certified": None}
-    return {"certificate": certificate.as_dict(), "certified": certificate.holds}
+    plan = certified(plan)
+    return {"certificate": json_value(plan.certificate), "certified": plan.certified}
 
 
 def refusal_summary(error: NotConverged) -> dict[str, Any]:

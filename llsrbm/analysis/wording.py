@@ -13,7 +13,7 @@ from llsrbm.analysis.figure_table import FIGURE
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load, power_forecast
-from llsrbm.certificate import Certificate
+from llsrbm.certificate import Certificate, stated
 from llsrbm.certificate.power import CUT, PowerForecast
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
@@ -82,6 +82,7 @@ def plan_rows(plan: Plan) -> list[TitledValue]:
     rows.append(("Solver", _solver(plan)))
     if plan.refinement is not None:
         rows.append(("Whole body", _refinement(plan.refinement)))
+    rows.append(("Certificate", certificate_words(plan)))
     return [*rows, ("Largest violation", worst_violation(plan))]
 
 
@@ -121,10 +122,34 @@ def _solver(plan: Plan) -> str:
 def _refinement(of: Refinement) -> str:
     effort = f"{counted(of.iterations, 'iteration')}, {_ms(of.solve_time_s)}"
     if of.status != "solved":
-        return f"not refined: the second stage did not converge ({effort}); this is the first's"
+        return f"not found ({effort}): this is the draft"
     building = f", {of.build_time_s:.1f} s to build the solver" if of.build_time_s > 0.1 else ""
     compiling = ", still being compiled" if of.compiling else ""
-    return f"refined in {effort}{building}{compiling}"
+    return f"found in {effort}{building}{compiling}"
+
+
+def certificate_words(plan: Plan) -> str:
+    """Whether the plan's certificate holds, or why there is none."""
+    found = stated(plan)
+    if found is None:
+        if not plan.solved:
+            return "none: no plan was found"
+        if plan.refined:
+            return "none: it was not checked"
+        if plan.refinement is None:
+            return "none: a draft, whose drives were looked at in knots only"
+        return "none: a draft, as the whole body's plan was not found"
+    if found.holds:
+        return "holds"
+    broken, unknown = found.broken, [each.name for each in found if each.holds is None]
+    if not broken:
+        return f"no check fails, but not known: {_in_words(unknown)}"
+    return f"does not hold: {_in_words([each.name for each in broken])}"
+
+
+def _in_words(checks: Sequence[str]) -> str:
+    """Names of checks, in words."""
+    return ", ".join(name.replace("_", " ") for name in checks)
 
 
 def worst_violation(plan: Plan) -> str:

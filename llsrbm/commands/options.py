@@ -47,7 +47,12 @@ Limits = Annotated[
     typer.Option("--limit", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),
 ]
 
-PLANNING = ("design", *(field.name for field in fields(Jump)), "solver", "weight", "limit")
+Draft = Annotated[
+    bool, typer.Option("--draft", help="The centroidal plan alone: quick, and not certified.")
+]
+
+_TUNING = ("solver", "weight", "limit", "draft")
+PLANNING = ("design", *(field.name for field in fields(Jump)), *_TUNING)
 """Parameters of the options of planning."""
 
 DesignOption = Annotated[

@@ -25,14 +25,11 @@ def plan_command(
     nearest: Annotated[
         bool, typer.Option("--nearest", help="Take the nearest jump that can be planned.")
     ] = False,
-    refine: Annotated[
-        bool,
-        typer.Option("--refine/--no-refine", help="A second stage on the whole body's dynamics."),
-    ] = False,
+    draft: options.Draft = False,
     out: options.Out = None,
     as_json: options.AsJson = False,
 ) -> int:
-    """Plan one jump from standing to standing.
+    """Plan one jump from standing to standing, checked on the whole body.
 
     A request that is not feasible is refused with its reason and the nearest one that is, and the
     exit status is 1, unless that is taken; what the planner ended with is written all the same.
@@ -42,7 +39,6 @@ def plan_command(
         import llsrbm
         from llsrbm import certified
         from llsrbm.analysis.summaries import certificate_summary, plan_summary, refusal_summary
-        from llsrbm.planning.whole_body.refine import refined
 
         request = options.requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
@@ -53,7 +49,7 @@ def plan_command(
                 solver=solver,
                 weights=tuning.weights,
                 limits=tuning.limits,
-                refine=refine,
+                draft=draft,
                 progress=console.show_planning,
             )
         except NotConverged as error:
@@ -61,8 +57,6 @@ def plan_command(
             plan, status = error.plan, console.FAILED
             if nearest and error.nearest is not None:
                 plan, status = error.nearest, console.DONE
-                if refine:
-                    plan = refined(plan, progress=console.show_planning)
         if out is not None or as_json:
             plan = certified(plan)
         if out is not None:

@@ -32,6 +32,7 @@ def simulate_command(
     solver: options.Planner = "fatrop",
     weight: options.Weights = None,
     limit: options.Limits = None,
+    draft: options.Draft = False,
     out: options.Out = None,
     as_json: options.AsJson = False,
 ) -> int:
@@ -59,7 +60,7 @@ def simulate_command(
         if file is not None:
             plan = _read_plan(file)
         else:
-            plan = _planned(request.jump, solver, tuning, scenario)
+            plan = _planned(request.jump, solver, tuning, scenario, draft=draft)
         if scenario.replan:
             console.show_planning(
                 "loading the solvers that plan anew: some minutes the first time, "
@@ -76,7 +77,7 @@ def simulate_command(
     return console.FAILED
 
 
-def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario) -> Plan:
+def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario, *, draft: bool) -> Plan:
     """Plan a jump that will be followed in a scenario."""
     import llsrbm
     from llsrbm.robots import load_robot
@@ -89,6 +90,7 @@ def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario) -> Pla
         solver=solver,
         weights=tuning.weights,
         limits=tuning.limits,
+        draft=draft,
         progress=console.show_planning,
     )
 

@@ -213,6 +213,12 @@ class Plan(OfRobot):
         return self.refinement is not None and self.refinement.status == "solved"
 
     @property
+    def certified(self) -> bool:
+        """True if it carries a certificate that holds in every check; see `llsrbm.certified`."""
+        findings = (self.certificate or {}).values()
+        return bool(findings) and all(found["holds"] for found in findings)
+
+    @property
     def solved(self) -> bool:
         """True if every constraint is satisfied."""
         return self.report.status == "solved"

@@ -42,6 +42,6 @@ def check_plan(plan: Plan, robot: Robot, tier: type[Tier]) -> Certificate:
         raise InputError(
             f"plan: its certificate does not hold: {name} {found.shown(found.worst)} of "
             f"{found.where} at {found.time_s:.3f} s, allowed {found.shown(found.allowed)}; "
-            f"expected one for tier {tier.name} that holds, as `llsrbm plan --refine` makes"
+            f"expected one for tier {tier.name} that holds, as `llsrbm plan` makes"
         )
     return certificate

@@ -35,6 +35,17 @@ def test_native_files_give_the_same_back(carrying, tmp_path):
     assert llsrbm.certified(carrying) is carrying
 
 
+@pytest.mark.parametrize(
+    ("findings", "holds"),
+    [(FINDINGS[:1], True), (FINDINGS[:2], False), (FINDINGS[::2], False), ((), False)],
+    ids=["all hold", "one is broken", "one is not known", "nothing is checked"],
+)
+def test_a_plan_is_certified_where_all_checks_are_known_to_hold(findings, holds):
+    plan = replace(planned("go2"), certificate=Certificate(findings).as_dict())
+    assert plan.certified is holds
+    assert not replace(plan, certificate=None).certified
+
+
 def test_exports_carry_it(carrying, tmp_path):
     path = tmp_path / "motion.npz"
     llsrbm.export(carrying, path, "motion-npz")

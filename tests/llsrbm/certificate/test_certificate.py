@@ -22,7 +22,7 @@ FIELDS = {"worst", "limit", "unit", "where", "time_s", "holds", "allowed", "why"
 
 @pytest.fixture(scope="module")
 def plan():
-    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.1), explains=False)
+    return llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.1), explains=False, draft=True)
 
 
 def test_torques_are_those_that_the_plan_states_in_the_middle_of_intervals(plan):
@@ -56,7 +56,7 @@ def test_a_plan_is_judged_by_the_limits_that_it_was_planned_under(tmp_path, capf
     """Whoever says them, from the file alone, and by all who ask: the type's file is gone."""
     path, robot = slippery(tmp_path), load_robot("go2")
     jump = llsrbm.Jump(robot="go2", type=str(path), forward=0.05)
-    plan = llsrbm.plan(jump, limits={"clearance": 0.05}, explains=False)
+    plan = llsrbm.plan(jump, limits={"clearance": 0.05}, explains=False, draft=True)
     force = plan.contact_force[plan.contact_force[..., 2] > 1.0]
     assert (np.abs(force[:, 0]) <= 0.2 * force[:, 2] + 1e-3).all()
     saved = tmp_path / "plan.npz"

@@ -98,6 +98,14 @@ def test_a_turn_that_the_robot_does_not_do_is_bad_input_at_once(words, said, cap
     assert err.count("\n") == 1
 
 
+@pytest.mark.parametrize(("words", "draft"), [("", False), ("--draft", True)])
+def test_a_draft_is_made_where_it_is_asked_for(planner, capsys, words, draft):
+    planner.answers.append(synthetic_plan())
+    assert cli.main(["plan", *words.split()]) == 0
+    assert planner.requests[0][1]["draft"] is draft
+    assert "none: a draft, whose drives were looked at in knots only\n" in capsys.readouterr().out
+
+
 def test_types_are_listed(capsys):
     assert cli.main(["types"]) == 0
     rows = dict(line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines())
@@ -162,6 +170,7 @@ def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
     result = json.loads(out, parse_constant=pytest.fail)
     assert result["status"] == "not-converged"
     assert result["cost"] is None
+    assert (result["certificate"], result["certified"]) == (None, False)
     assert err.splitlines()[-1] == f"llsrbm: {said}"
     assert not load(tmp_path / "p.npz").solved
 
@@ -185,7 +194,7 @@ def test_the_planners_refusal_is_exit_2(planner, capsys):
 
 
 def test_for_real(tmp_path):
-    process = run("plan", "--twist", 30, "--json", "--out", tmp_path / "plan.npz")
+    process = run("plan", "--twist", 30, "--draft", "--json", "--out", tmp_path / "plan.npz")
     assert process.returncode == 0, process.stderr
     result = json.loads(process.stdout)
     assert result["status"] == "solved"

@@ -146,7 +146,7 @@ def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypat
 
 def test_for_real(tmp_path):
     out = tmp_path / "rollout.npz"
-    process = run("simulate", "--twist", 30, "--seed", 3, "--json", "--out", out)
+    process = run("simulate", "--twist", 30, "--draft", "--seed", 3, "--json", "--out", out)
     assert process.returncode == 0, process.stderr
     result = json.loads(process.stdout)
     assert result["status"] == "landed"

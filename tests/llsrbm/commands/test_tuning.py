@@ -45,7 +45,16 @@ def test_what_is_no_assignment(given):
 
 def test_a_plan_under_another_limit(capfd, tmp_path):
     out = tmp_path / "plan.npz"
-    arguments = ["plan", "--model", "srbm", "--limit", "flight_min=0.4", "--weight", "time=10"]
+    arguments = [
+        "plan",
+        "--draft",
+        "--model",
+        "srbm",
+        "--limit",
+        "flight_min=0.4",
+        "--weight",
+        "time=10",
+    ]
     assert main([*arguments, "--json", "--out", str(out)]) == 0
     from llsrbm.motion.trajectory import load
 

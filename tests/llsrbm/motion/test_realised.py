@@ -20,7 +20,11 @@ STEP = 1e-6  # s
 @pytest.fixture(scope="module", params=NAMES)
 def planned(request):
     """Plan, robot, and instants that are no knots."""
-    plan = made("go2") if request.param == "go2" else llsrbm.plan(llsrbm.Jump("slider", twist=0.8))
+    plan = (
+        made("go2")
+        if request.param == "go2"
+        else llsrbm.plan(llsrbm.Jump("slider", twist=0.8), draft=True)
+    )
     times = np.sort(np.random.default_rng(3).uniform(0, plan.duration, 80))
     return plan, load_robot(request.param), times
 

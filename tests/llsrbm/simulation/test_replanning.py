@@ -181,7 +181,7 @@ def test_where_nothing_is_found_the_old_plan_goes_on(takes, monkeypatch):
 @pytest.mark.parametrize("moment", ["lift-off", "mid-flight"])
 def test_soles_are_moved_elsewhere_only_where_there_is_time(takes, moment):
     takes(0.015)
-    slider = llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)))
+    slider = llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)), draft=True)
     middle = (slider.lift_off + slider.touchdown) / 2
     at = {"lift-off": slider.lift_off - DURATION, "mid-flight": middle}[moment]
     forward = {"lift-off": 5.0, "mid-flight": 3.7}[moment]  # N s; less departs too little

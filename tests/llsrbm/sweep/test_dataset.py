@@ -134,7 +134,7 @@ print(json.dumps({
     assert told["task_index"] == [0, 1]
 
     seed = pq.read_table(sweep / "jumps.parquet")["seed"][0].as_py()
-    plan = llsrbm.plan(llsrbm.Jump(robot="anymal", forward=0.1))
+    plan = llsrbm.plan(llsrbm.Jump(robot="anymal", forward=0.1), draft=True)
     rollout = llsrbm.simulate(plan, seed=seed)
     state = np.array(told["state"])
     time = np.array(told["timestamp"])

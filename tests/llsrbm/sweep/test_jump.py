@@ -71,7 +71,7 @@ def test_a_row_says_what_became_of_its_jump(spec, forth):
 def test_a_row_is_what_the_library_makes_of_the_same_jump(forth):
     row = forth.to_pylist()[4]
     request = llsrbm.Jump("anymal", "srbm", lateral=0.2, height=0.1)
-    plan = llsrbm.plan(request, limits={"torque_share": 0.85})
+    plan = llsrbm.plan(request, limits={"torque_share": 0.85}, draft=True)
     assert row["cost"] == plan.report.cost
     assert row["duration_s"] == plan.duration
     rollout = llsrbm.simulate(plan, seed=row["seed"])

@@ -25,7 +25,7 @@ class Motion:
 
 @cache
 def motion_of(robot):
-    plan = llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS[robot]))
+    plan = llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS[robot]), draft=True)
     assert plan.solved
     rollout = llsrbm.simulate(plan)
     assert rollout.landed

@@ -26,7 +26,7 @@ DEGREES = (*range(99, 172, 18), *range(162, 98, -18))  # of a slider, there and 
 def answer(jump, near=None, **options):
     """The plan of a request, or of the nearest jump that is found."""
     try:
-        return llsrbm.plan(jump, near=near, limits=LIMITS, **options)
+        return llsrbm.plan(jump, near=near, limits=LIMITS, draft=True, **options)
     except NotConverged as error:
         return error.nearest
 

@@ -203,7 +203,7 @@ def test_a_robot_pushed_aside_comes_to_rest_aside_whatever_its_heading():
     aside, push = [], np.array([0.0, 0.4, 0.0])
     for heading in np.radians([0.0, 28.2]):
         turned = Rotation.from_euler("z", heading)
-        first = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=heading))
+        first = llsrbm.plan(llsrbm.Jump(robot="anymal", twist=heading), draft=True)
         at = planned_state(first, LANDING)
         at = replace(at, com_velocity=at.com_velocity + turned.apply(push))
         new = Replanner(first, ROBOT).replan(at).plan
@@ -214,7 +214,7 @@ def test_a_robot_pushed_aside_comes_to_rest_aside_whatever_its_heading():
 
 @pytest.mark.nightly
 def test_while_only_one_side_has_landed_the_other_is_planned_anew():
-    first = llsrbm.plan(llsrbm.Jump(robot="anymal", type="one-foot-first", forward=0.1))
+    first = llsrbm.plan(llsrbm.Jump(robot="anymal", type="one-foot-first", forward=0.1), draft=True)
     at = planned_state(first, LANDING)
     at = replace(at, com_velocity=at.com_velocity + np.array([0.1, 0.1, 0.0]))
     new = Replanner(first, ROBOT).replan(at).plan

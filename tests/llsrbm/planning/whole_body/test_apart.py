@@ -14,7 +14,7 @@ from llsrbm.robots import load_robot
 
 @pytest.fixture(scope="module")
 def start():
-    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25))
+    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
     return start_of(plan, load_robot("go2"), Grid.of(plan))
 
 
@@ -41,7 +41,7 @@ def test_they_tell_how_near_things_are_beside_the_motion(start):
 
 def test_the_box_that_is_jumped_onto_is_among_them(monkeypatch):
     monkeypatch.setattr(apart, "NEAR", 0.15)  # its trunk passes it by some 10 cm
-    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25))
+    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
     start = start_of(plan, load_robot("go2"), Grid.of(plan))
     assert "box" in [solid.name for solid in start.solids]
     of_base = np.abs(start.apart.slope[:, :, :3]).max(axis=(1, 2))

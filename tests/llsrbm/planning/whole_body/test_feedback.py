@@ -17,7 +17,7 @@ from llsrbm.robots import load_robot
 @cache
 def plan():
     jump = llsrbm.Jump(robot="go2", forward=0.2, twist=0.3)
-    return llsrbm.with_feedback(llsrbm.plan(jump, refine=True))
+    return llsrbm.with_feedback(llsrbm.plan(jump))
 
 
 def test_a_plan_with_gains_is_followed_after_a_push_and_one_without_falls():

@@ -21,7 +21,7 @@ from llsrbm.robots import load_robot
 @cache
 def plans():
     """A centroidal plan and the refined one, and the robot."""
-    first = llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.3, twist=0.4))
+    first = llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.3, twist=0.4), draft=True)
     return first, refine.refined(first), load_robot("go2")
 
 
@@ -59,7 +59,7 @@ def test_feet_come_down_steeply():
 def test_effort_does_not_depend_on_what_was_refined_before():
     """A plan close to a box needs rows that others do not."""
     first, second, _ = plans()
-    onto = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25))
+    onto = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
     refine.refined(onto)
     again = refine.refined(first)
     assert again.refinement.iterations == second.refinement.iterations
@@ -185,7 +185,7 @@ def test_lines_are_integrated(share):
 def test_links_keep_apart_where_the_nearest_motion_would_have_them_meet():
     """In a twist with some way forward Go2's front feet cross in mid-flight."""
     jump = llsrbm.Jump(robot="go2", twist=-2.0, forward=0.285, lateral=-0.122, height=-0.072)
-    first = llsrbm.plan(jump)
+    first = llsrbm.plan(jump, draft=True)
     second = refine.refined(first)
     assert second.refined
     assert certify(second)["self_distance"].worst > 5e-3
