@@ -55,7 +55,10 @@ def test_a_dry_run_as_json(tier, capfd):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((PLANS / "anymal.npz",), r"plan: its certificate does not hold: joint_torque .*as `llsrbm plan` makes"),
+        (
+            (PLANS / "anymal.npz",),
+            r"plan: its certificate does not hold: joint_torque .*as `llsrbm plan` makes",
+        ),
         ((PLANS / "go1.npz", "--robot", "anymal"), r"of robot go1, the robot .* is anymal"),
         ((PLANS / "go1.npz", "--tier", "loop"), r'no tier "loop"'),
         ((PLANS / "go1.npz", "--log", "play.csv"), r"--log play.csv: expected a name .*\.mcap"),
