@@ -27,13 +27,13 @@ from websockets.sync.client import connect
 from benchmarks.served import resident, serving, wait_until_ready
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
-from tests.app.raw_tab import RawTab
+from tests.app.raw_tab import PLANNED, RawTab
 
 ANSWER = 1.0  # s
 ENTER, PLAN = 10.0, 30.0  # s for a new visitor on a busy machine; the planning itself is slowed
 MEMORY = 100.0  # MB
 NAMES, SILENT, GUESSES, MESSAGES = 300_000, 50, 1000, 30
-HEARD = "Feasible"
+HEARD = PLANNED
 
 
 class Page:

@@ -35,7 +35,7 @@ from app.designer import Designer
 from app.guard.limits import Limits, Rate
 from benchmarks.hostile_requests import OWN, flood_of_requests, run_all
 from tests.app.planners import SyntheticPlanner
-from tests.app.raw_tab import CAMERA, RawTab
+from tests.app.raw_tab import CAMERA, PLANNED, RawTab
 
 WITNESSES = 3
 MEMORY = 100.0  # MB more than before at most
@@ -178,7 +178,7 @@ def visits(designer, count):
     with contextlib.ExitStack() as stack:
         tabs = [stack.enter_context(RawTab(designer.port)) for _ in range(count)]
         for tab in tabs:
-            tab.wait_for_status("Feasible", timeout=120)
+            tab.wait_for_status(PLANNED, timeout=120)
             tab.set("Twist [deg]", 10)
 
 
@@ -190,7 +190,7 @@ class Witness:
 
     def __init__(self, tab, number, designer):
         self.tab, self.number, self.step = tab, number, 0
-        tab.wait_for_status("Feasible", timeout=60)
+        tab.wait_for_status(PLANNED, timeout=60)
         self.session = designer.sessions[-1]
 
     def check(self):
@@ -243,7 +243,7 @@ def record(designer):
     """Messages of a tab whose every control is moved, and more that a page can send."""
     recorded = [CAMERA]
     with RawTab(designer.port) as tab:
-        tab.wait_for_status("Feasible", timeout=60)
+        tab.wait_for_status(PLANNED, timeout=60)
         for uuid, message in list(tab.controls.items()):
             value = message.get("value", True)
             recorded.append({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})

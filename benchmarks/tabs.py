@@ -22,7 +22,7 @@ from urllib.parse import urlsplit
 import numpy as np
 
 from benchmarks.served import resident, serving, wait_until_ready
-from tests.app.raw_tab import RawTab
+from tests.app.raw_tab import PLANNED, RawTab
 
 TABS, DRAGGING, DRAG_SECONDS = 20, 10, 10.0
 BURST, STEP_SECONDS = 30, 0.05  # values of the drag at the end, and the time between two
@@ -38,7 +38,7 @@ class Tab(RawTab):
         self.number = number
         self.twist = None
         self.latencies = []
-        self.wait_for_status("Feasible", timeout=60)
+        self.wait_for_status(PLANNED, timeout=60)
 
     def request(self, twist):
         self.twist = twist
@@ -128,7 +128,7 @@ def open_and_close(port, pid):
             threads = re.search(r"Threads:\s+(\d+)", status).group(1)
             print(f"{opened:8d} {server:27.0f} {processes:16.0f} {threads:>14s}", flush=True)
         with RawTab(port) as tab:
-            tab.wait_for_status("Feasible", timeout=60)
+            tab.wait_for_status(PLANNED, timeout=60)
 
 
 def main():

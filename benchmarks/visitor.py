@@ -21,7 +21,7 @@ import numpy as np
 
 from app.designer import Designer
 from app.panel.status import Verdict
-from tests.app.raw_tab import RawTab
+from tests.app.raw_tab import PLANNED, RawTab
 
 MOST = 1200.0  # MB
 STEPS = 5.0, -5.0  # degrees of twist beside the one that was there
@@ -103,7 +103,7 @@ def main():
     with closing(Designer(port=0, token="none")) as designer:
         threading.Thread(target=watch, args=(designer.pool, peaks, stop), daemon=True).start()
         with RawTab(designer.port) as tab:
-            tab.wait_for_status("Feasible", timeout=PATIENCE)
+            tab.wait_for_status(PLANNED, timeout=PATIENCE)
             visitor = Visitor(tab, designer.sessions[0])
             until = time.monotonic() + 60 * options.minutes
             visit(visitor, until, options.robots, options.types)

@@ -117,11 +117,11 @@ class JumpControls:
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
         self._fields.add(TURN)
-        # whether plans are refined
+        # whether drafts are replaced by the whole body's plans
         self.whole_body = switch(
             gui,
             "Whole body",
-            "Refine plans on the equations of motion of every link",
+            "Plan every link once the sliders rest; without it plans stay drafts",
             acted,
             Act.WHOLE_BODY,
         )

@@ -15,6 +15,7 @@ class Verdict(StrEnum):
     """A status line's first word."""
 
     PLANNING = "Planning"
+    DRAFT = "Draft"
     FEASIBLE = "Feasible"
     NEAREST = "Nearest"
     INFEASIBLE = "Infeasible"
@@ -27,6 +28,7 @@ class Verdict(StrEnum):
 
 _COLOURS = {
     Verdict.PLANNING: _GREY,
+    Verdict.DRAFT: _AMBER,
     Verdict.FEASIBLE: _GREEN,
     Verdict.NEAREST: _AMBER,
     Verdict.INFEASIBLE: _RED,
@@ -38,9 +40,7 @@ _COLOURS = {
 }
 
 
-DRAFT = "draft"
-"""Limit of a verdict on a plan that is not the whole body's: its drives were looked at in knots."""
-_OF_A_MOTION = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED, Verdict.FELL)
+_OF_A_MOTION = (Verdict.DRAFT, Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED, Verdict.FELL)
 """Verdicts on a motion that can be checked; pressed, they open its certificate."""
 
 
@@ -60,8 +60,7 @@ class Status:
     @property
     def html(self) -> str:
         """All of it with its bar, in a place of the same size whatever it is (static/panel.js)."""
-        word, colour = self.verdict.value, _AMBER if self.limit == DRAFT else _COLOURS[self.verdict]
-        colour = _GREY if self.outdated else colour
+        word, colour = self.verdict.value, _GREY if self.outdated else _COLOURS[self.verdict]
         large = escape(f"{word}, {self.limit}" if self.limit else word)
         if self.verdict in _OF_A_MOTION and not self.busy:
             large = f'<button type="button" title="Show the certificate">{large}</button>'

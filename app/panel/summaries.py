@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from html import escape
 
 from app.panel.html import SMALL, table
-from app.panel.status import DRAFT, SeedResult, Status, Verdict
+from app.panel.status import SeedResult, Status, Verdict
 from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.wording import (
     InWords,
+    draft_reason,
     drive_rows,
     followed_plans,
     plan_rows,
@@ -27,25 +28,28 @@ from llsrbm.robots import Robot
 
 
 def plan_status(
-    plan: Plan, remark: str = "", wanted: Jump | None = None, reason: str = ""
+    plan: Plan, remark: str = "", wanted: Jump | None = None, reason: str = "", follows: str = ""
 ) -> Status:
-    """That a plan is there, after a remark; or the nearest to what was asked for, and why."""
+    """That a plan is there, after a remark; or the nearest to what was asked for, and why.
+
+    `follows`: words on the whole body's plan that will replace it; "": none will.
+    """
+    parts = [remark] if remark else []
+    if not (plan.certified or follows):
+        why = draft_reason(plan)
+        parts = [f"{remark} {_sentence(why)}"] if remark.endswith(".") else [*parts, f"as {why}"]
+    if plan.report.compiling:
+        parts.append("solver still being compiled")
+    rest = f"{', '.join(parts)} {follows}".strip()
     if wanted is not None:
         nearest = changes(wanted, plan.jump) or "almost the request"
-        return Status(Verdict.NEAREST, remark, points=(_sentence(nearest), _sentence(reason)))
+        return Status(Verdict.NEAREST, rest, points=(_sentence(nearest), _sentence(reason)))
     values = figures_of_plan(plan)
     words = InWords(values)
     names = ["flight_time_s", "apex", "planned_torque_ratio"]
     shown = [words.row(name) for name in names if getattr(values, name) is not None]
-    parts = [remark] if remark else []
-    if plan.refined:
-        parts.append("whole body")
-    elif plan.refinement is not None:
-        parts.append("not refined: the whole body's plan was not found")
-    if plan.report.compiling:
-        parts.append("solver still being compiled")
-    limit = "" if plan.refined else DRAFT
-    return Status(Verdict.FEASIBLE, ", ".join(parts), limit=limit, figures=tuple(shown))
+    verdict = Verdict.FEASIBLE if plan.certified else Verdict.DRAFT
+    return Status(verdict, rest, figures=tuple(shown))
 
 
 def refused_status(reason: str, remark: str = "") -> Status:

@@ -246,7 +246,7 @@ class TabState:
     atlas: AtlasChoice = field(default_factory=AtlasChoice)  # which map of which sweep
     export: FileChoice = field(default_factory=FileChoice)  # in which formats
     noise: float | None = None  # of the scenario when it was last disturbed
-    whole_body: bool = False  # whether plans are refined on the whole body's dynamics
+    whole_body: bool = True  # whether drafts are replaced by plans of the whole body's dynamics
     # whether what changes is simulated again by itself; None: where that is quick
     automatically: bool | None = None
     simulated_in: float | None = None  # s that the last simulation took; None: there was none

@@ -129,27 +129,26 @@ def _refinement(of: Refinement) -> str:
 
 
 def certificate_words(plan: Plan) -> str:
-    """Whether the plan's certificate holds, or why there is none."""
+    """Whether the plan's certificate holds; if not, why the plan is a draft."""
+    if not plan.solved:
+        return "none: no plan was found"
+    return "holds" if plan.certified else f"none that holds, a draft: {draft_reason(plan)}"
+
+
+def draft_reason(plan: Plan) -> str:
+    """Why a plan is not certified, in words; "" if it is."""
     found = stated(plan)
     if found is None:
-        if not plan.solved:
-            return "none: no plan was found"
         if plan.refined:
-            return "none: it was not checked"
+            return "it was not checked"
         if plan.refinement is None:
-            return "none: a draft, whose drives were looked at in knots only"
-        return "none: a draft, as the whole body's plan was not found"
-    if found.holds:
-        return "holds"
-    broken, unknown = found.broken, [each.name for each in found if each.holds is None]
-    if not broken:
-        return f"no check fails, but not known: {_in_words(unknown)}"
-    return f"does not hold: {_in_words([each.name for each in broken])}"
-
-
-def _in_words(checks: Sequence[str]) -> str:
-    """Names of checks, in words."""
-    return ", ".join(name.replace("_", " ") for name in checks)
+            return "its drives were looked at in knots only"
+        return "the whole body's plan was not found"
+    unknown = [each for each in found if each.holds is None]
+    names = ", ".join(each.name.replace("_", " ") for each in found.broken or unknown)
+    if found.broken:
+        return f"its certificate does not hold: {names}"
+    return f"its certificate does not know: {names}" if unknown else ""
 
 
 def worst_violation(plan: Plan) -> str:

@@ -89,8 +89,10 @@ def certify(motion: AnyMotion, robot: Robot | None = None) -> Certificate:
     )
 
 
-def certified(motion: _Own) -> _Own:
+def certified(motion: _Own, robot: Robot | None = None) -> _Own:
     """The plan or rollout with its certificate, which its file and exports then carry.
+
+    `robot`: of `certify`.
 
     As it is if it has one; a plan that failed, or whose robot is not there or has other joints by
     now, stays without.
@@ -98,7 +100,7 @@ def certified(motion: _Own) -> _Own:
     if motion.certificate is not None or (isinstance(motion, Plan) and not motion.solved):
         return motion
     try:
-        return replace(motion, certificate=certify(motion).as_dict())
+        return replace(motion, certificate=certify(motion, robot).as_dict())
     except (InputError, RobotFileError):
         return motion
 

@@ -40,6 +40,9 @@ def sweep_command(
             help="Time a jump, simulations included [default: 300, and 30 for each simulation].",
         ),
     ] = None,
+    draft: Annotated[
+        bool, typer.Option("--draft", help="Centroidal plans alone, as `draft = true` of the spec.")
+    ] = False,
     yes: Annotated[
         bool, typer.Option("--yes", help="Start a sweep of more than a million rows.")
     ] = False,
@@ -47,6 +50,7 @@ def sweep_command(
 ) -> int:
     """Plan, and simulate, many jumps; DIR/jumps.parquet has a row of each.
 
+    Plans that are not certified are rows and no more, unless drafts are asked for.
     A sweep that was cut off goes on where it was: run the same command again. Jumps that cannot be
     planned, or that time out, are rows too, and no failure of the sweep.
     """
@@ -59,7 +63,8 @@ def sweep_command(
         from llsrbm.sweep.rows import origin
         from llsrbm.sweep.spec import find_spec
 
-        points = Points(find_spec(spec))
+        found = find_spec(spec)
+        points = Points(found.model_copy(update={"draft": True}) if draft else found)
         workers = workers or usable_processors()
         _announce(spec, points, None if scheduler else workers, large=yes)
         versions = origin(points.spec)

@@ -66,11 +66,13 @@ def failed_rows(point: Point, status: str, message: str) -> list[TableRow]:
     return [{**row, "index": place, "seed": seed} for place, seed in pairs]
 
 
-def prepare(points: Sequence[Point]) -> None:
+def prepare(spec: Spec, points: Sequence[Point]) -> None:
     """Build the solvers of these jumps, so that this machine's cache has them."""
     for point in points:
         try:
             _planner(point)
+            if not spec.draft:  # the whole body's are built for a plan
+                plan_of(spec, point)
         except Error:
             continue  # a contradictory request: its row has the error
 
@@ -92,10 +94,21 @@ def request_of(point: Point) -> TableRow:
 def plan_of(spec: Spec, point: Point) -> Plan:
     """A jump's plan, the same wherever and whenever it is computed. Raises `Error`: see
     `Planner.plan`.
+
+    The whole body's with its certificate, unless drafts are asked for or none is found.
     """
-    return _planner(point).plan(
+    from llsrbm.certificate import certified
+    from llsrbm.planning.whole_body.refine import refined, refiner_of
+
+    draft = _planner(point).plan(
         point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
     )
+    if spec.draft:
+        return draft
+    robot = _robot(point)
+    refiner_of(draft, robot).solver.settle()
+    plan = refined(draft, robot)
+    return certified(plan, robot) if plan.refined else plan
 
 
 def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollout:
@@ -132,8 +145,8 @@ def _planned(spec: Spec, point: Point) -> tuple[TableRow, Plan | None]:
     try:
         plan = plan_of(spec, point)
         row = {"status": rows.PLANNED, **_solve(plan), **_figures(plan, _robot(point))}
-        if spec.certified:
-            row |= _certificate(plan, _robot(point))
+        if not spec.draft:
+            row |= _certificate(plan)
         return row, plan if row["status"] == rows.PLANNED else None
     except NotConverged as error:
         return {**_stop(error, spec.diagnose), **_solve(error.plan)}, None
@@ -141,16 +154,17 @@ def _planned(spec: Spec, point: Point) -> tuple[TableRow, Plan | None]:
         return _failure(error), None
 
 
-def _certificate(plan: Plan, robot: Robot) -> TableRow:
-    """With the drives of the point, which the plan was made for."""
-    from llsrbm.certificate import certify
+def _certificate(plan: Plan) -> TableRow:
+    """Whether its certificate holds; why not, if it does not or if there is none."""
+    from llsrbm.analysis.wording import draft_reason
+    from llsrbm.certificate import stated
 
-    certificate = certify(plan, robot)
-    row: TableRow = {
-        "certified": certificate.holds,
-        "uncertified": [found.name for found in certificate.broken],
-    }
-    return row if certificate.holds else {**row, "status": rows.NOT_CERTIFIED}
+    certificate = stated(plan)
+    broken = () if certificate is None else certificate.broken
+    row: TableRow = {"certified": plan.certified, "uncertified": [found.name for found in broken]}
+    if plan.certified:
+        return row
+    return {**row, "status": rows.NOT_CERTIFIED, "message": draft_reason(plan)}
 
 
 def _simulated(spec: Spec, point: Point, plan: Plan, seed: int | None) -> TableRow:
@@ -315,9 +329,9 @@ def run_jump(spec: Spec, point: Point, limit: float) -> list[TableRow]:
     return failed_rows(point, FAILED, died)
 
 
-def run_prepare(points: Sequence[Point]) -> None:
+def run_prepare(spec: Spec, points: Sequence[Point]) -> None:
     """Fill this machine's cache; called by Dask in a worker."""
-    compute(prepare, points, limit=None)
+    compute(prepare, spec, points, limit=None)
 
 
 def compute(function: Callable[..., Any], *arguments: Any, limit: float | None) -> Any:

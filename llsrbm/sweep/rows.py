@@ -33,8 +33,8 @@ TableRow = dict[str, Any]
 PLANNED, NOT_PLANNED, REFUSED = "planned", "not planned", "refused"
 NOT_CERTIFIED, TIMED_OUT, FAILED = "not certified", "timed out", "failed"
 STATUSES = (PLANNED, NOT_PLANNED, NOT_CERTIFIED, REFUSED, TIMED_OUT, FAILED)
-"""A plan satisfies every constraint; none was found; there is one whose certificate does not hold,
-and certified ones are demanded: it is neither simulated nor kept; the request is out of range or
+"""A plan satisfies every constraint; none was found; there is one that is not certified, and drafts
+are not asked for: it is neither simulated nor kept; the request is out of range or
 contradictory; no result within the limit of time; anything else, such as a process that died. A
 simulated jump is planned."""
 
@@ -106,7 +106,7 @@ _PLAN = (
     Column("friction_share", NUMBER, "1", "largest tangential / normal force of a loaded contact"),
     Column("friction_margin", NUMBER, "1", "coefficient of friction minus that"),
     Column("peak_force", NUMBER, "N", "largest force at a contact"),
-    Column("certified", FLAG, "", "whether the certificate holds, where it is demanded"),
+    Column("certified", FLAG, "", "whether a certificate holds, null of drafts"),
     Column("uncertified", TEXTS, "", "checks of the certificate that do not hold, likewise"),
     Column("violation", NUMBER, "SI", "the largest violation, in its constraint's unit"),
     Column("violations", NAMED, "SI", "constraint -> its largest violation, where not planned"),

@@ -224,12 +224,12 @@ class _Work:
         while self.so_far.workers == 0:
             time.sleep(_LOOK_TIME)
             self._count_workers()
-        kinds = [*self.folder.points.kinds()]
+        spec, kinds = self.folder.points.spec, [*self.folder.points.kinds()]
         hosts = {get_address_host(address): address for address in self.client.nthreads()}
         futures = [
             # A worker that dies comes back with another address.
             self.client.submit(
-                run_prepare, kinds, workers=[address], allow_other_workers=True, pure=False
+                run_prepare, spec, kinds, workers=[address], allow_other_workers=True, pure=False
             )
             for address in hosts.values()
         ]

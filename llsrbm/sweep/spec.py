@@ -206,7 +206,8 @@ class Spec(Table):
     patient: bool = True  # plans are tried from other guesses where the analytic one fails
     diagnose: bool = False
     trajectories: bool = False  # planned motions are kept, as list columns
-    certified: bool = False  # plans whose certificate does not hold are rows, and no more
+    # plans of the first stage alone, unchecked; else plans that are not certified are rows, no more
+    draft: bool = False
 
     @model_validator(mode="after")
     def _check(self) -> Self:

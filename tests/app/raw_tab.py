@@ -19,6 +19,7 @@ from websockets.sync.client import connect
 from app.tab.planning.requests import ANSWERS
 from tests.app.page_script import PageScript
 
+PLANNED = "Draft", "Feasible"  # words on a plan, certified or not
 CAMERA = {
     "type": "ViewerCameraMessage",
     "wxyz": (1.0, 0.0, 0.0, 0.0),
@@ -134,11 +135,12 @@ class RawTab:
                 self._changed.wait(min(left, 0.2))
 
     def wait_for_status(self, word, timeout=20.0):
-        """An answer that is still being refined does not count."""
+        """A word, or one of several; an answer that is still being refined does not count."""
+        words = (word,) if isinstance(word, str) else word
 
         def settled():
             busy = 'aria-busy="true"' in self._status_html()
-            return self.status().startswith(word) and not (busy and word in ANSWERS)
+            return self.status().startswith(words) and not (busy and {*words} & {*ANSWERS})
 
         self.wait(settled, f"status {word}", timeout)
         return self.status()

@@ -11,7 +11,7 @@ from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.tab.start.opening import TabOpened, first_state
 from tests.app.chromium import BASE, VIEW, opened, status, tab
-from tests.app.synthetic_plan import synthetic_plan
+from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.app.waits import wait_until
 
 
@@ -83,12 +83,12 @@ def _begin(page):
     if session not in page.designer.sessions:  # the connection was lost in another test
         session = find_session(page)
     design = first_state(session.state.robots).design
-    plan = synthetic_plan(design.jump)
+    plan = refined_plan(synthetic_plan(design.jump))
     for event in (
         BesideChosen(False),
         *[Act.UNPIN] * len(session.state.pins),
         Automatically(False),
-        WholeBody(False),
+        WholeBody(True),
         View(AT_FIRST, night=False),
         DEFAULT,
         design,

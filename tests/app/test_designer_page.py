@@ -89,14 +89,19 @@ def test_night_is_dark(page):
     wait_until(lambda: brightness() > day - 20, "the light picture")
 
 
-def test_whole_body_refines_the_plan_and_takes_it_back(page):
+def test_the_whole_bodys_plan_follows_unless_it_is_switched_off(page):
+    """By default the whole body's plan follows the draft; the checkbox stays with drafts."""
     box = page.get_by_label("Whole body", exact=True)
+    assert box.is_checked()
+    box.uncheck()
+    fill(page, "Forward [m]", 0.2)
+    assert "in knots only" in status(page, "Draft as")
+    assert not page.session.plan.refined
     box.check()
-    wait_until(lambda: "whole body" in status(page, "Feasible"), "the refined plan")
+    status(page, "Feasible")
     assert page.session.plan.refined
     box.uncheck()
-    wait_until(lambda: "whole body" not in status(page, "Feasible"), "the first plan")
-    assert not page.session.plan.refined
+    status(page, "Draft as")
 
 
 @pytest.mark.parametrize("view", [(1024, 768), (768, 1024)])

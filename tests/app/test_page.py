@@ -138,7 +138,7 @@ def test_with_the_real_planner(browser, tmp_path):
         text = status(page, "Feasible", timeout=90_000)
         session = designer.sessions[-1]
         assert re.match(
-            r"Feasible, draft\s+Flight time\s+0\.\d+ s\s+Apex\s+\d+\.\d cm\s+"
+            r"Feasible\s+Flight time\s+0\.\d+ s\s+Apex\s+\d+\.\d cm\s+"
             r"Planned torque\s+\d+ %",
             text,
         )

@@ -41,7 +41,7 @@ def test_python_runs(page, tmp_path, monkeypatch):
 def small_sweep():
     """The results in DIR that a page's example reads, here of two jumps."""
     Path("two.toml").write_text(
-        'title = "Two jumps"\nrobots = ["anymal"]\ntrajectories = true\n'
+        'title = "Two jumps"\nrobots = ["anymal"]\ndraft = true\ntrajectories = true\n'
         "[axes]\nforward = [0.0, 0.1]\n"
     )
     assert main(["sweep", "two.toml", "--out", "DIR", "--workers", "1"]) == 0

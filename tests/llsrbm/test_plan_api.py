@@ -40,7 +40,10 @@ def test_a_draft_is_the_first_stages_and_carries_no_certificate():
     assert draft().refinement is None
     assert draft().certificate is None
     assert not draft().certified
-    assert certificate_row(draft()) == "none: a draft, whose drives were looked at in knots only"
+    assert (
+        certificate_row(draft())
+        == "none that holds, a draft: its drives were looked at in knots only"
+    )
 
 
 def test_where_the_whole_bodys_plan_is_not_found_it_is_a_draft_that_says_so(monkeypatch):
@@ -49,7 +52,7 @@ def test_where_the_whole_bodys_plan_is_not_found_it_is_a_draft_that_says_so(monk
     found = llsrbm.plan(JUMP)
     assert found.solved
     assert not found.certified
-    assert certificate_row(found) == "none: a draft, as the whole body's plan was not found"
+    assert certificate_row(found) == "none that holds, a draft: the whole body's plan was not found"
 
 
 @pytest.mark.parametrize("as_draft", [False, True])

@@ -11,7 +11,7 @@ from app.tab.acts import Step, also, joined, on, played_first
 from app.tab.effects import After, Keep, Reported
 from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
-from app.tab.planning.refining import refine, wants_refining
+from app.tab.planning.refining import FOLLOWS, refine, wants_refining
 from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested
 from app.tab.showing import ended, show_plan
 from app.tab.simulating import simulate_next
@@ -89,6 +89,7 @@ def _answer(state: TabState, report: reports.Report, ticket: int) -> Step:
     first = state.shown is None
     state = show_plan(state.with_work(shown=ticket), plan, robot, wanted=wanted, reason=reason)
     if ticket == state.work.newest or isinstance(state.work.awaited, tasks.PlanJump):
-        status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason)
+        follows = FOLLOWS if state.whole_body else ""
+        status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason, follows)
         state = replace(state, status=replace(status, busy=True))
     return state, played_first(state) if first else ()

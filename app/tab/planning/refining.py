@@ -1,4 +1,4 @@
-"""Refining: the whole body's plan, begun from the centroidal one that is shown."""
+"""The whole body's plan, begun from the draft that is shown, once its request has rested."""
 
 from __future__ import annotations
 
@@ -6,19 +6,22 @@ from dataclasses import dataclass, replace
 
 from app.panel import summaries
 from app.panel.acts import Act
-from app.panel.status import Verdict
-from app.tab.acts import Step, on, reads, submit
+from app.panel.status import Status, Verdict
+from app.tab.acts import Step, joined, on, reads, submit
 from app.tab.effects import Reported
-from app.tab.showing import show_plan
+from app.tab.showing import show_given, show_plan
 from app.tab.simulating import simulate_next
-from app.tab.state import TabState
+from app.tab.state import Given, Shown, TabState
 from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
+
+FOLLOWS = "(the whole body's plan follows) ..."
+"""Behind the verdict on a draft that will be replaced."""
 
 
 @dataclass(frozen=True)
 class WholeBody:
-    """Whether plans shall be refined on the whole body's equations of motion."""
+    """Whether drafts shall be replaced by plans of the whole body's equations of motion."""
 
     wanted: bool
 
@@ -31,7 +34,7 @@ reads(
 
 @on(WholeBody)
 def choose_whole_body(state: TabState, event: WholeBody) -> Step:
-    """Refine plans from now on, that which is shown too; or show what it was refined from."""
+    """Have the whole body's plans from now on, of what is shown too; or stay with drafts."""
     state, shown = replace(state, whole_body=event.wanted), state.shown
     if wants_refining(state):
         return refine(state)
@@ -50,10 +53,18 @@ def wants_refining(state: TabState) -> bool:
 
 def refine(state: TabState) -> Step:
     """Have the plan that is shown refined; it stays until then."""
-    plan = state.plan
-    assert plan is not None
-    state = replace(state, status=replace(state.status, busy=True))
-    return submit(state, tasks.RefinePlan(plan))
+    shown = state.shown
+    assert shown is not None
+    state = replace(state, status=_status(state, shown, FOLLOWS))
+    return submit(state, tasks.RefinePlan(shown.plan))
+
+
+def show_given_refined(state: TabState, given: Given) -> Step:
+    """Show a motion that is there already; the whole body's follows a draft of the tab's own."""
+    state, effects = show_given(state, given)
+    if given.source or given.rollout is not None or not wants_refining(state):
+        return state, effects
+    return joined(effects, refine(state))
 
 
 @on(tasks.RefinePlan)
@@ -64,7 +75,9 @@ def take_refined(state: TabState, event: Reported) -> Step:
     match event.report:
         case reports.Progress(text=text, iteration=iteration, residual=residual):
             line = summaries.progress_line(text, iteration, residual)
-            return state.with_status(Verdict.PLANNING, line, busy=True), ()
+            if state.shown is None:
+                return state, ()
+            return replace(state, status=_status(state, state.shown, line)), ()
         case reports.Planned(plan=plan) if state.whole_body:
             return _show(state.with_work(shown=state.work.newest), plan, task.plan)
         case reports.Failed(message=message):
@@ -80,6 +93,12 @@ def _show(state: TabState, plan: Plan, centroidal: Plan | None = None) -> Step:
     state = show_plan(
         state, plan, robot, shown.source, shown.wanted, reason=reason, centroidal=centroidal
     )
+    assert state.shown is not None
+    return simulate_next(replace(state, status=_status(state, state.shown)))
+
+
+def _status(state: TabState, shown: Shown, follows: str = "") -> Status:
+    """The verdict on the plan that is shown; `follows`: as `plan_status` has it."""
     remark = state.work.instead.strip() or shown.source
-    status = summaries.plan_status(plan, remark, shown.wanted, reason)
-    return simulate_next(replace(state, status=status))
+    status = summaries.plan_status(shown.plan, remark, shown.wanted, shown.reason, follows)
+    return replace(status, busy=bool(follows))

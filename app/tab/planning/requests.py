@@ -17,8 +17,8 @@ from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
-ANSWERS = (Verdict.FEASIBLE, Verdict.NEAREST, Verdict.INFEASIBLE)
-"""Status words that answer a request."""
+ANSWERS = (Verdict.DRAFT, Verdict.NEAREST, Verdict.INFEASIBLE)
+"""Status words that may stay until the next answer; `Feasible` is of its own motion alone."""
 
 PLAN_AGAIN = "Move a slider to plan again."
 """The sentence on a request that was given up."""

@@ -8,8 +8,9 @@ from app.panel import summaries
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, submit_beside
 from app.tab.effects import LoadRobot, Notify, Queue, Reported, RobotLoaded, RobotMissing
+from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import PLAN_AGAIN, plan_design
-from app.tab.showing import ended, show_given
+from app.tab.showing import ended
 from app.tab.state import TabState
 from app.workers import reports, tasks
 
@@ -49,7 +50,7 @@ def take_robot(state: TabState, event: RobotLoaded) -> Step:
         return replace(state, prepared=True), ()  # its meshes have been made
     if given is not None and given.plan.jump.robot == name:
         state, effects = draw_robot(state, event)
-        return joined(effects, show_given(state, given))
+        return joined(effects, show_given_refined(state, given))
     if name != state.design.jump.robot:
         return state, ()  # another one was chosen while it was loaded
     state, effects = draw_robot(state, event)

@@ -51,9 +51,11 @@ class InitialPlans:
                 self._plans.setdefault(robot, plan)
 
     def keep(self, plan: Plan) -> None:
-        """Begin with that plan from now on; it is of its robot's example."""
+        """Begin with that plan of its robot's example, unless the one before is certified alone."""
         with self._lock:
-            self._plans[plan.jump.robot] = plan
+            before = self._plans.get(plan.jump.robot)
+            if plan.certified or before is None or not before.certified:
+                self._plans[plan.jump.robot] = plan
 
 
 def example(robot: str) -> Jump:

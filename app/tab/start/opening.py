@@ -11,8 +11,8 @@ from app.tab.acts import Step, joined, on, submit, submit_beside
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
 from app.tab.inspection import begin_check
 from app.tab.planning.dragging import REST
+from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import Rested, plan_design
-from app.tab.showing import show_given
 from app.tab.state import FileWork, Given, TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.tasks import Prepare, SimulateSeeds
@@ -62,7 +62,7 @@ def open_tab(state: TabState, event: TabOpened) -> Step:
         return joined(before, plan_design(replace(state, design=event.design)))
     if event.plan is None:
         return joined(before, plan_design(state))
-    return joined(before, show_given(state, Given(event.plan)))
+    return joined(before, show_given_refined(state, Given(event.plan)))
 
 
 # ---- coming back

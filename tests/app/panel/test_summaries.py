@@ -17,6 +17,7 @@ from app.panel.summaries import (
 )
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.wording import drive_rows
+from llsrbm.certificate import Certificate, Finding
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import load_robot
@@ -24,6 +25,8 @@ from llsrbm.robots.drives.table import JointDrives, Losses
 from tests.app.synthetic_plan import FLY, refined_plan, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
+
+KNOTS_ONLY = "its drives were looked at in knots only"
 
 
 @pytest.fixture(scope="module")
@@ -49,20 +52,35 @@ def test_a_solver_that_is_being_compiled_is_said_to_be(plan):
 
 def test_a_plan_is_told_by_flight_apex_and_torque(plan):
     status = plan_status(plan, "from file a.npz")
-    assert (status.verdict, status.rest) == ("Feasible", "from file a.npz")
+    assert (status.verdict, status.rest) == ("Draft", f"from file a.npz, as {KNOTS_ONLY}")
     (flight, apex, torque) = status.figures
     assert flight == ("Flight time", f"{FLY:.3f} s")
     assert re.fullmatch(r"\d+\.\d cm", apex[1])
     assert re.fullmatch(r"\d+ %", torque[1])
     assert re.sub(r"<[^>]*>", "", status.html).startswith(
-        "Feasible, draft from file a.npz Flight time 0."
+        f"Draft from file a.npz, as {KNOTS_ONLY} Flight time 0."
     )
 
 
-def test_a_plan_is_green_once_it_is_the_whole_bodys(plan):
-    draft, whole = plan_status(plan), plan_status(refined_plan(plan))
-    assert (draft.limit, whole.limit) == ("draft", "")
-    green, amber = (re.search(r"--verdict:(#\w+)", each.html)[1] for each in (whole, draft))
+def test_a_plan_is_feasible_and_green_over_a_certificate_that_holds_alone(plan):
+    whole = refined_plan(plan)
+    slipping = Certificate((Finding("slip", 0.02, 0.01, "m", "RL", 0.3, False, 0.01),))
+    unknown = Certificate((Finding("battery_current", None, None, "A", "", None, None),))
+    drafts = {
+        KNOTS_ONLY: plan,
+        "the whole body's plan was not found": refined_plan(plan, "not-converged"),
+        "it was not checked": replace(whole, certificate=None),
+        "its certificate does not hold: slip": replace(whole, certificate=slipping.as_dict()),
+        "its certificate does not know: battery current": replace(
+            whole, certificate=unknown.as_dict()
+        ),
+    }
+    for reason, each in drafts.items():
+        assert (plan_status(each).verdict, plan_status(each).rest) == ("Draft", f"as {reason}")
+    assert (plan_status(whole).verdict, plan_status(whole).rest) == ("Feasible", "")
+    green, amber = (
+        re.search(r"--verdict:(#\w+)", plan_status(each).html)[1] for each in (whole, plan)
+    )
     nearest = plan_status(plan, wanted=replace(plan.jump, twist=1.0), reason="so")
     assert amber == re.search(r"--verdict:(#\w+)", nearest.html)[1] != green
 

@@ -44,7 +44,7 @@ def files(tmp_path_factory):
 def test_a_plan_is_opened_by_the_button_changed_and_simulated(page, files):
     page.locator("input[type=file]").set_input_files(files / "plan.npz")
     wait_until(lambda: page.session.plan.jump == JUMP, "the plan")
-    status(page, "Feasible, draft from file plan.npz")
+    status(page, "Draft from file plan.npz")
     assert float(number(page, "Twist [deg]").input_value()) == 57
     assert float(number(page, "Forward [m]").input_value()) == 0.3
     wait_until(lambda: player(page, "clip.end") == pytest.approx(1.3), "its motion")

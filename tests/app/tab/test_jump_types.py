@@ -98,10 +98,10 @@ def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):
     said = 'SLIDER does not support "Rear last". Planning "All feet together" instead.'
     assert tab.told == (Verdict.PLANNING, f"{said} ...")
     tab.finish_plan()
-    assert tab.told == (Verdict.FEASIBLE, said)
+    assert tab.told == (Verdict.DRAFT, f"{said} Its drives were looked at in knots only.")
     tab.move(forward=0.05)
     tab.settle()
-    assert tab.told[1] == ""
+    assert tab.told[1] == "as its drives were looked at in knots only"
 
 
 def test_a_design_of_a_type_that_its_robot_lacks_is_told_too():

@@ -52,7 +52,7 @@ def test_the_first_request_is_planned_with_patience_and_played():
     assert tab.state.status.busy
     tab.finish_plan()
     assert [type(effect).__name__ for effect in tab.effects] == ["Play", "Keep"]
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert tab.state.plan.jump.forward == 0.1
 
 
@@ -63,7 +63,7 @@ def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
     tab.finish_plan()
     assert isinstance(tab.one, After)
     assert vars(tab.one) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert tab.state.status.busy
     assert tab.state.plan.jump.forward == 0.05
 
@@ -75,7 +75,7 @@ def test_a_request_that_has_rested_is_planned_from_scratch_and_kept(tab):
     assert tab.one.task == PlanJump(tab.state.design.jump)
     tab.finish_plan()
     assert tab.one == Keep(tab.state.design)
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert not tab.state.status.busy
 
 

@@ -48,7 +48,7 @@ def test_while_a_slider_moves_plans_of_older_requests_are_shown(tab):
         submits.append(tab.one)
     tab.finish_plan(submits[1])
     assert tab.state.plan.jump.forward == 0.1
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert tab.state.status.busy
     tab.finish_plan(submits[0])  # older than the one that is shown
     assert tab.state.plan.jump.forward == 0.1
@@ -152,7 +152,7 @@ def test_the_nearest_moves_with_the_slider(tab):
         assert tab.state.shown.wanted == submit.task.jump
     tab.move(forward=0.05)
     tab.finish_plan()
-    assert (tab.told[0], tab.state.shown.remark) == (Verdict.FEASIBLE, "")
+    assert (tab.told[0], tab.state.shown.remark) == (Verdict.DRAFT, "")
 
 
 def test_the_nearest_is_taken(tab):
@@ -164,7 +164,7 @@ def test_the_nearest_is_taken(tab):
     assert tab.state.shown.remark == ""
     assert tab.state.history.back[-1].jump.forward == 0.1
     tab.settle()
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert tab.take(Act.NEAREST) == ()
 
 

@@ -103,7 +103,7 @@ def test_a_draft_is_made_where_it_is_asked_for(planner, capsys, words, draft):
     planner.answers.append(synthetic_plan())
     assert cli.main(["plan", *words.split()]) == 0
     assert planner.requests[0][1]["draft"] is draft
-    assert "none: a draft, whose drives were looked at in knots only\n" in capsys.readouterr().out
+    assert "a draft: its drives were looked at in knots only\n" in capsys.readouterr().out
 
 
 def test_types_are_listed(capsys):

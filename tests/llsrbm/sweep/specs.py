@@ -45,6 +45,7 @@ def without_planning(monkeypatch):
     """Neither planning nor a process of its own for it."""
     monkeypatch.setattr(jump, "_planned", planned_at_once)
     monkeypatch.setattr(jump, "_planner", lambda point: None)
+    monkeypatch.setattr(jump, "plan_of", lambda spec, point: None)
     monkeypatch.setattr(jump, "compute", lambda function, *of, limit: function(*of))
 
 

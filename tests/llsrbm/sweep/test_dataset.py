@@ -20,6 +20,7 @@ from tests.llsrbm.sweep.specs import filled
 
 SPEC = """
 title = "two jumps, two seeds"
+draft = true
 robots = ["anymal"]
 axes = { twist = [0.0, 0.5], forward = [0.1] }
 simulate = { seeds = [1, 2] }

@@ -1,3 +1,6 @@
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -5,6 +8,8 @@ import llsrbm
 from llsrbm import certificate
 from llsrbm.certificate import Certificate, Finding
 from llsrbm.installed import package_version
+from llsrbm.motion.solve_report import Refinement
+from llsrbm.planning.whole_body import refine
 from llsrbm.robots import load_robot
 from llsrbm.sweep import jump, rows
 from llsrbm.sweep.points import Points
@@ -12,6 +17,7 @@ from tests.llsrbm.sweep.specs import parse_spec
 
 SPEC = """
 title = "real plans"
+draft = true
 robots = ["anymal"]
 models = ["srbm"]
 patient = false
@@ -104,27 +110,36 @@ def test_drives_are_those_asked_for(spec):
 
 
 def test_plans_without_a_certificate_that_holds_are_rows_alone(monkeypatch):
-    demanding = parse_spec(SPEC.replace("patient", "certified = true\npatient", 1), "x")
+    demanding = parse_spec(SPEC.replace("draft = true\n", ""), "x")
     seen = []
 
-    def certify(plan, robot):
+    def certified(plan, robot):
         seen.append(robot)
         slip = Finding("slip", 0.02 * len(seen), 0.01, "m", "LF", 0.4, len(seen) > 1, 0.01)
-        return Certificate((slip,))
+        return replace(plan, certificate=Certificate((slip,)).as_dict())
 
-    monkeypatch.setattr(certificate, "certify", certify)
+    settled = SimpleNamespace(solver=SimpleNamespace(settle=lambda: None))
+    effort = Refinement("solved", 9, 0.1, 0.1, 0.0, 1.0)
+    monkeypatch.setattr(refine, "refiner_of", lambda plan, robot: settled)
+    monkeypatch.setattr(refine, "refined", lambda plan, robot: replace(plan, refinement=effort))
+    monkeypatch.setattr(certificate, "certified", certified)
     points = Points(demanding)
     refused = jump.rows_of(demanding, points[2])
     assert [row["status"] for row in refused] == [rows.NOT_CERTIFIED] * 2
     assert refused[0]["certified"] is False
     assert refused[0]["uncertified"] == ["slip"]
+    assert refused[0]["message"] == "its certificate does not hold: slip"
     assert "landed" not in refused[0]
     assert not any(name.startswith("motion_") for name in refused[0])
     kept = jump.rows_of(demanding, points[2])
     assert [row["status"] for row in kept] == [rows.PLANNED] * 2
     assert kept[0]["certified"] is True
     assert "landed" in kept[0]
-    # As all columns, these are the table's; and where none is demanded they are null.
+    # As all columns, these are the table's; of drafts they are null.
     table = rows.table_of([*refused, *kept], rows.schema(demanding))
     assert table["certified"].to_pylist() == [False, False, True, True]
     assert all(robot.name == "anymal" for robot in seen)
+    effort = replace(effort, status="not-converged")
+    (none, _) = jump.rows_of(demanding, points[2])
+    assert (none["status"], none["certified"]) == (rows.NOT_CERTIFIED, False)
+    assert none["message"] == "the whole body's plan was not found"

@@ -72,7 +72,7 @@ def test_another_version_on_a_worker_ends_it(tmp_path, client, monkeypatch):
 def test_a_worker_without_the_package_or_a_robots_file_ends_it(
     tmp_path, client, monkeypatch, error
 ):
-    def missing(points):
+    def missing(spec, points):
         raise error
 
     monkeypatch.setattr(run, "run_prepare", missing)

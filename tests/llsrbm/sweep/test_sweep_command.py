@@ -1,10 +1,11 @@
 import json
+import shutil
 
 import pyarrow.parquet as pq
 import pytest
 
 from llsrbm import cli
-from llsrbm.sweep import run
+from llsrbm.sweep import jump, run
 from tests.llsrbm.sweep.specs import GRID, in_this_process, without_planning
 
 
@@ -29,6 +30,16 @@ def test_a_table_and_a_summary(sweep, tmp_path, capfd):
     assert "dashboard: http://" in told.err
     assert "anymal   20 rows: 16 planned, 4 not planned" in told.out
     assert len(pq.read_table(tmp_path / "out" / "jumps.parquet")) == 40
+
+
+def test_drafts_are_asked_for_by_the_spec_or_the_command(sweep, tmp_path, monkeypatch):
+    asked = []
+    given = jump._planned
+    monkeypatch.setattr(jump, "_planned", lambda s, p: asked.append(s.draft) or given(s, p))
+    for options, draft in (((), False), (("--draft",), True)):
+        shutil.rmtree(tmp_path / "out", ignore_errors=True)
+        assert sweep(GRID, *options) == 0
+        assert {*asked[-40:]} == {draft}
 
 
 def test_json_is_one_object_and_done_is_done(sweep, capfd):

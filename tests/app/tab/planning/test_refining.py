@@ -1,4 +1,6 @@
-"""Whole body: plans are refined once they have rested, and go back to what they were."""
+"""The whole body's plan follows a draft that has rested, unless it is switched off."""
+
+from dataclasses import replace
 
 import pytest
 
@@ -7,9 +9,11 @@ from app.panel.status import Verdict
 from app.tab.effects import After, Submit
 from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
-from app.workers.reports import Cancelled, Planned
+from app.tab.start.opening import TabOpened, example_design, first_state
+from app.workers.reports import Cancelled, Planned, Progress, Refused
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump
-from tests.app.pure_tab import planned_tab
+from llsrbm.certificate import Certificate, Finding
+from tests.app.pure_tab import ROBOTS, PureTab, plan_of, planned_tab
 from tests.app.synthetic_plan import refined_plan
 
 
@@ -31,14 +35,18 @@ def test_the_plan_that_is_shown_is_refined_and_comes_back():
     centroidal = tab.state.plan
     assert tab.state.planning
     assert tab.state.status.busy
+    assert tab.told == (Verdict.DRAFT, "(the whole body's plan follows) ...")
+    tab.report(Progress(0, "refining", iteration=3, residual=1e-3))
+    assert tab.told == (Verdict.DRAFT, "(refining, iteration 3, residual 1.0e−03) ...")
+    assert tab.state.status.figures[0] == ("Flight time", "0.500 s")
     finish(tab)
     assert tab.state.plan.refined
-    assert tab.told == (Verdict.FEASIBLE, "whole body")
+    assert tab.told == (Verdict.FEASIBLE, "")
     assert not tab.state.status.busy
     asked = len(tab.submits)
     tab.take(WholeBody(False))
     assert tab.state.plan is centroidal
-    assert tab.told == (Verdict.FEASIBLE, "")
+    assert tab.told == (Verdict.DRAFT, "as its drives were looked at in knots only")
     assert len(tab.submits) == asked
 
 
@@ -64,7 +72,58 @@ def test_what_is_not_found_is_told_and_the_first_plan_stays():
     tab = refining()
     finish(tab, "not-converged")
     assert not tab.state.plan.refined
-    assert tab.told == (Verdict.FEASIBLE, "not refined: the whole body's plan was not found")
+    assert tab.told == (Verdict.DRAFT, "as the whole body's plan was not found")
+
+
+def test_a_certificate_that_does_not_hold_leaves_a_draft_and_the_reason():
+    tab = refining()
+    slips = Certificate((Finding("slip", 0.02, 0.01, "m", "RL", 0.3, False, 0.01),)).as_dict()
+    plan = replace(refined_plan(tab.submits[-1].task.plan), certificate=slips)
+    tab.report(Planned(0, plan))
+    assert tab.told == (Verdict.DRAFT, "as its certificate does not hold: slip")
+
+
+def test_it_is_on_by_default():
+    assert first_state(ROBOTS).whole_body
+
+
+def test_a_tab_begins_with_the_draft_that_is_known_and_goes_on():
+    tab = PureTab()
+    tab.take(WholeBody(True))
+    known = plan_of(example_design(ROBOTS["anymal"]).jump)
+    tab.take(TabOpened(plan=known))
+    assert tab.told[0] is Verdict.DRAFT
+    assert tab.submits[-1].task.plan is known
+    finish(tab)
+    assert tab.told[0] is Verdict.FEASIBLE
+
+
+def test_the_nearest_jump_becomes_the_whole_bodys_too():
+    tab = refining()
+    finish(tab)
+    tab.move(forward=0.3)
+    for _ in range(2):  # while the slider moves, and once it rests
+        asked = tab.submits[-1].task
+        nearest = plan_of(replace(asked.jump, forward=0.2))
+        failed = plan_of(asked.jump, "not-converged")
+        tab.report(Refused(0, asked.jump, "its knees", failed, nearest))
+        assert tab.told == (Verdict.NEAREST, "(the whole body's plan follows) ...")
+        for after in tab.of(After):
+            tab.take(after.event)
+    finish(tab)
+    assert tab.state.plan.certified
+    assert tab.told == (Verdict.NEAREST, "")
+    assert tab.state.status.points == ("Forward 0.2 m instead of 0.3 m.", "Its knees.")
+    assert tab.state.shown.remark == "Nearest: forward 0.2 m instead of 0.3 m"
+
+
+def test_the_word_is_not_that_of_an_older_motion():
+    tab = refining()
+    finish(tab)
+    tab.move(forward=0.05)
+    assert tab.told[0] is Verdict.PLANNING
+    tab.finish_plan()
+    assert tab.told[0] is Verdict.DRAFT
 
 
 @pytest.mark.parametrize("event", [Act.CANCEL, WholeBody(False)])

@@ -23,7 +23,7 @@ from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import satisfied, violations
 from llsrbm.robots import load_robot, names
-from tests.app.synthetic_plan import synthetic_plan
+from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.llsrbm.planning.replay import angle_between, replay
 
 
@@ -57,10 +57,12 @@ def test_tabs_begin_with_the_shipped_plan_until_there_is_a_newer_one():
         each.recall("anymal")
     assert np.array_equal(plans.plan("anymal").com, load_plan(shipped_file("anymal")).com)
     assert other.plan("anymal") is None
-    newer = synthetic_plan(example("anymal"))
+    newer = refined_plan(synthetic_plan(example("anymal")))
     plans.keep(newer)
     plans.recall("anymal")
     assert plans.plan("anymal") is newer
+    plans.keep(synthetic_plan(newer.jump))
+    assert plans.plan("anymal") is newer, "no draft in place of a certified plan"
 
 
 def damage_nothing_but(what):

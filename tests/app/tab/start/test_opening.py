@@ -71,7 +71,7 @@ def test_a_plan_that_is_known_is_shown_at_once(robot):
         tab.take(RobotLoaded(load_robot("anymal")))
     assert kinds(tab.effects) == [Keep, Play]
     assert tab.state.plan is plan
-    assert tab.told[0] is Verdict.FEASIBLE
+    assert tab.told[0] is Verdict.DRAFT
     assert tab.submits == []
     assert tab.move() == ()
 
