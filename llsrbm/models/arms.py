@@ -138,8 +138,6 @@ class Arms:
             omega=omega,
             omega_rate=omega_rate,
             base_acceleration=specific_force,
-            up=ca.SX.zeros(3),
-            forces={},
             mark=lift,
             joints=[joint for chain in self._chains for joint in chain],
         )

@@ -52,15 +52,6 @@ class Link:
     own: Mass
 
 
-class FootMotion(NamedTuple):
-    """A foot in motion; base axes, seen from the base's origin."""
-
-    position: Any  # (3,) m
-    velocity: Any  # (3,) m/s, in the world
-    rotation: Any  # (3, 3) to base axes
-    omega: Any  # (3,) rad/s, in the world
-
-
 class Moving(NamedTuple):
     """A link in motion."""
 
@@ -90,7 +81,7 @@ class Effort(NamedTuple):
 
 
 class RigidBodies:
-    """A robot's links in a tree, with feet at the ends."""
+    """A robot's links in a tree."""
 
     def __init__(self, robot: Robot) -> None:
         model, data = robot.model, robot.model.createData()
@@ -100,39 +91,7 @@ class RigidBodies:
         self._links = {
             i: _link(model, data, i) for i in range(BASE_JOINT + 1, model.njoints)
         }  # a parent comes before its children
-        frames = [model.frames[leg.foot_frame_id] for leg in robot.legs]
-        self._carries = [frame.parentJoint for frame in frames]
-        self._placed = [frame.placement for frame in frames]
-        # (L, c, 3) m: the contact points in the axes of the links that carry them; of balls their
-        # frames, which are above.
-        self._corners = np.array(
-            [[at.act(corner) for corner in robot.corners] for at in self._placed]
-        )
         self.losses = DriveLosses.of(robot)
-
-    def feet(
-        self, position: Any, velocity: Any, omega: Any, base_velocity: Any
-    ) -> list[FootMotion]:
-        """The motion of all feet.
-
-        Args:
-            position, velocity: (J,) of the joints.
-            omega, base_velocity: (3,) rad/s, m/s of the base's origin, base axes.
-        """
-        found = []
-        for carrier, placed in zip(self._carries, self._placed, strict=True):
-            base = Moving(ca.SX.eye(3), ca.SX.zeros(3), base_velocity, omega)
-            *_, last = self.moving(self.chain(carrier), position, velocity, base)
-            R, arm = last.rotation, ca.DM(placed.translation)
-            found.append(
-                FootMotion(
-                    position=last.position + ca.mtimes(R, arm),
-                    velocity=ca.mtimes(R, last.velocity + cross(last.omega, arm)),
-                    rotation=ca.mtimes(R, _constant(placed.rotation)),
-                    omega=ca.mtimes(R, last.omega),
-                )
-            )
-        return found
 
     def moving(
         self, chain: Sequence[int], position: Any, velocity: Any, base: Moving
@@ -162,6 +121,10 @@ class RigidBodies:
             plain.append([np.asarray(v).round(9).tolist() for v in (*frame, *link.own)])
         return plain
 
+    def link(self, joint: int) -> Link:
+        """The link that hangs on a joint, Pinocchio's index."""
+        return self._links[joint]
+
     def mass(self, joint: int) -> Mass:
         """Mass of the link that hangs on a joint, Pinocchio's index."""
         return self._links[joint].own
@@ -174,19 +137,15 @@ class RigidBodies:
         omega: Any,
         omega_rate: Any,
         base_acceleration: Any,
-        up: Any,
-        forces: Mapping[int, Sequence[Any]],
         mark: Mark = lambda quantity: quantity,
         joints: Sequence[int] | None = None,
     ) -> Effort:
-        """Torques of a motion under contact forces.
+        """Torques of a motion without contacts.
 
         Args:
             position, velocity, acceleration: (J,) of the joints.
             omega, omega_rate: (3,) rad/s, rad/s2 of the base, base axes.
             base_acceleration: (3,) m/s2 of the base's origin and upward gravity, base axes.
-            up: (3,) the world's upward direction, base axes.
-            forces: leg -> force on each of its contact points, (3,) N, base axes.
             mark: called with intermediate quantities.
             joints: whole limbs that are looked at, Pinocchio's indices; None: all.
         """
@@ -196,14 +155,6 @@ class RigidBodies:
         force, moment = {}, {}
         for i, own in ((BASE_JOINT, self._base), *((i, x.own) for i, x in chosen.items())):
             force[i], moment[i] = _inertial(own, moved[i])
-        for leg, pushes in forces.items():
-            carrier = self._carries[leg]
-            to_link = moved[carrier].in_base.T
-            below = ca.mtimes(to_link, up) * self.robot.foot_lift
-            for corner, push in zip(self._corners[leg], pushes, strict=True):
-                here = ca.mtimes(to_link, push)
-                force[carrier] -= here
-                moment[carrier] -= cross(ca.DM(corner) - below, here)
         torque = [ca.SX(0)] * len(self._links)
         for i, link in reversed(chosen.items()):
             force[i], moment[i] = mark(force[i]), mark(moment[i])

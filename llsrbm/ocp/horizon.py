@@ -11,6 +11,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.ocp.composition import Composed
 from llsrbm.ocp.lifting import Lifting
 
 
@@ -38,9 +39,6 @@ class StageExpressions:
     rows: tuple[Row, ...]  # path constraints
     next_state: ca.SX | None  # (m, 1) SX, the m states of the next stage; None at the end
     lift: Lifting  # collects the intermediates that derivatives run through
-    # Whether the Hessian is that of the Lagrangian; otherwise that of the cost alone, marked
-    # intermediates held: cheap, and enough where the cost keeps all variables near something.
-    exact: bool = True
 
     def as_text(self) -> str:
         """Every operation and number in it, as text that equal stages share."""
@@ -48,7 +46,7 @@ class StageExpressions:
         following = ca.SX(0, 1) if self.next_state is None else self.next_state
         values = [self.cost, following, *(row.expression for row in self.rows), *definitions]
         arguments = [self.variables, self.shared, self.local, *symbols]
-        sizes = self.states, [row.equality for row in self.rows], self.exact
+        sizes = self.states, [row.equality for row in self.rows]
         return f"{sizes} {ca.Function('stage', arguments, values).serialize()}"
 
 
@@ -58,7 +56,7 @@ class Run:
 
     family: Hashable  # equal for runs with the same expressions
     count: int  # number of stages
-    build: Callable[[], StageExpressions]  # their expressions; called once for all runs of a family
+    build: Callable[[], StageExpressions | Composed]  # their expressions; called once for all runs of a family
     # Places of the local parameters in the shared ones, in their order.
     local: tuple[slice, ...] = ()
     # Of each stage, the place of the last of its local parameters, which it has for itself; ()

@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 
 from llsrbm.abandon import go_on
+from llsrbm.ocp.composition import Composed
 from llsrbm.ocp.horizon import StageExpressions
 
 # Below this number of stages decoding scalar instructions costs less than calling vector ones.
@@ -50,8 +51,15 @@ class StageFunctions:
         return int(self.constraints.size1_out(0))
 
 
-def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> StageFunctions:
+def make_stage_functions(
+    name: str, stage: StageExpressions | Composed, initial: bool
+) -> StageFunctions:
     """Differentiate one stage; `name` begins its functions' names; `initial`: it is the first."""
+    of = _of_composed if isinstance(stage, Composed) else _of_expressions
+    return of(name, stage, initial)
+
+
+def _of_expressions(name: str, stage: StageExpressions, initial: bool) -> StageFunctions:
     z, p, s = stage.variables, stage.shared, stage.local
     rows = [(row, ca.vec(ca.SX(row.expression))) for row in stage.rows]
     gap = ca.SX(0, 1) if stage.next_state is None else -stage.next_state
@@ -60,7 +68,7 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
     lam_f, lam = ca.SX.sym("lam_f"), ca.SX.sym("lam", g.shape[0])
     J = stage.lift.jacobian(g)
     gradient = ca.densify(stage.lift.jacobian(stage.cost).T)
-    H = ca.triu2symm(ca.triu(_curvature(stage, lam_f, ca.dot(lam, g))))
+    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * stage.cost + ca.dot(lam, g))))
     gap_before = ca.SX(0, z.numel())
     if not initial:
         gap_before = ca.horzcat(
@@ -91,11 +99,35 @@ def make_stage_functions(name: str, stage: StageExpressions, initial: bool) -> S
     )
 
 
-def _curvature(stage: StageExpressions, lam_f: ca.SX, rows: ca.SX) -> ca.SX:
-    if stage.exact:
-        return stage.lift.hessian(lam_f * stage.cost + rows)
-    H, _ = ca.hessian(lam_f * stage.cost, stage.variables)  # what is marked counts as constant
-    return ca.sparsify(H)
+def _of_composed(name: str, stage: Composed, initial: bool) -> StageFunctions:
+    calls, gap = stage.calls, 0 if stage.next_state is None else stage.states
+    z, width = calls.variables, calls.start.size
+    parts = [stage.rows] if stage.next_state is None else [stage.next_state, stage.rows]
+    lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam", gap + stage.rows.size)
+    sign = ca.vertcat(-ca.DM.ones(gap), ca.DM.ones(stage.rows.size))
+    g, J = calls.jacobian(parts)
+    before = ca.horzcat(ca.MX.eye(stage.states), ca.MX(stage.states, width - stage.states))
+    J = ca.vertcat(*([] if initial else [before]), ca.mtimes(ca.diag(sign), J))
+    weights = ca.vertsplit(sign * lam, [0, gap, gap + stage.rows.size])[-len(parts) :]
+    H = calls.hessian([(stage.cost, lam_f), *zip(parts, weights, strict=True)])
+
+    def function(kind: str, results: list[Any], *more: Any) -> ca.Function:
+        go_on()
+        arguments = [z, ca.MX.sym("p", 0), calls.numbers, *more]
+        return ca.Function(f"{name}_{kind}", arguments, results)
+
+    return StageFunctions(
+        cost=function("f", [calls.of(stage.cost)]),
+        constraints=function("g", [stage.constraints()]),
+        gradient=function("df", [calls.gradient(stage.cost)]),
+        jacobian=function("dg", [sign * g, J.nz[:]]),
+        hessian=function("h", [H.nz[:]], lam_f, lam),
+        jacobian_pattern=J.sparsity(),
+        hessian_pattern=H.sparsity(),
+        states=stage.states,
+        gap=gap,
+        equality=(True,) * gap + stage.equality,
+    )
 
 
 def _nonzeros(matrix: ca.SX) -> ca.SX:
@@ -113,9 +145,11 @@ def mapped(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
 
 
 def batched(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
-    """Evaluate an SX function as `mapped` does, instruction by instruction for all stages."""
+    """Evaluate a function as `mapped` does; one of scalars, of an expression, instruction by
+    instruction for all stages.
+    """
     go_on()
-    if count < WORTHWHILE:
+    if count < WORTHWHILE or not function.is_a("SXFunction"):
         return mapped(function, count, *arguments)
     inputs = []
     for argument in arguments:

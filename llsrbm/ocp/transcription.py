@@ -15,6 +15,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.ocp.composition import Composed
 from llsrbm.ocp.horizon import Horizon, StageExpressions
 from llsrbm.ocp.stage_functions import StageFunctions, batched, make_stage_functions
 
@@ -92,7 +93,7 @@ class Transcription(Transcribed):
 
 
 def _placed(horizon: Horizon) -> list[_Stage]:
-    expressions: dict[Hashable, StageExpressions] = {}
+    expressions: dict[Hashable, StageExpressions | Composed] = {}
     families: dict[tuple[Hashable, bool], StageFunctions] = {}
     stages: list[_Stage] = []
     variable = row = 0

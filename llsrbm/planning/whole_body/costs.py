@@ -11,9 +11,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.whole_body.interval import Pose, turned
+from llsrbm.planning.whole_body.interval import turned
 from llsrbm.planning.whole_body.sizes import NODES, Sizes
-from llsrbm.robots.robot import Robot
 
 SCALE = 1e-3  # of the whole cost
 WIDTHS = {
@@ -33,18 +32,21 @@ LEVEL = 0.05  # half the sine, about, of the angle by which a base leans
 TIME = 0.1  # s
 
 
-def of_knot(pose: Pose, near: Mapping[str, Any], weight: Mapping[str, Any], robot: Robot) -> Any:
-    """Cost of a knot's state: nearness to what is `near`, level, slow, near to standing."""
-    width = _widths(robot)
-    values = {name: getattr(pose, name) for name in width if hasattr(pose, name)}
-    off = {name: value - near[name] for name, value in values.items()}
-    off["attitude"] = turned(pose.quat, near["quat"])
+def of_knot(
+    state: Mapping[str, Any], near: Mapping[str, Any], weight: Mapping[str, Any], sizes: Sizes
+) -> Any:
+    """Cost of a knot's state: nearness to what is `near`, level, slow, near to standing; `near`
+    has the default `posture`, too.
+    """
+    width = _widths(sizes)
+    off = {name: state[name] - near[name] for name in width if name in state}
+    off["attitude"] = turned(state["quat"], near["quat"])
     # A knot stands for two of the plan's, as its interval does.
     cost = weight["near"] * len(NODES) * sum(ca.sumsqr(v / width[n]) for n, v in off.items())
-    cost += weight["level"] * ca.sumsqr(pose.quat[1:3] / LEVEL)
-    cost += weight["turning"] * ca.sumsqr(pose.omega / width["omega"])
-    cost += weight["joint_speed"] * ca.sumsqr(pose.joint_velocity / width["joint_velocity"])
-    standing = pose.joint_position - ca.DM(robot.posture[7:])
+    cost += weight["level"] * ca.sumsqr(state["quat"][1:3] / LEVEL)
+    cost += weight["turning"] * ca.sumsqr(state["omega"] / width["omega"])
+    cost += weight["joint_speed"] * ca.sumsqr(state["joint_velocity"] / width["joint_velocity"])
+    standing = state["joint_position"] - near["posture"]
     return cost + weight["posture"] * ca.sumsqr(standing / width["joint_position"])
 
 
@@ -59,10 +61,11 @@ def of_interval(
     standing: int,
     weight: Mapping[str, Any],
     sizes: Sizes,
-    robot: Robot,
 ) -> Any:
-    """Cost of the controls at both nodes; `loads`: their torques, as shares of the drives'."""
-    width = _widths(robot)
+    """Cost of the controls at both nodes, forces in units of `Sizes.unit_force`; `loads`: their
+    torques, as shares of the drives'.
+    """
+    width = _widths(sizes)
     cost = weight["torque"] * sum(map(ca.sumsqr, loads))
     rates = {
         "acceleration": "acceleration",
@@ -73,19 +76,18 @@ def of_interval(
         for name, cause in rates.items():
             cost += weight[cause] * ca.sumsqr(node[name] / width[name])
         if standing:
-            share = sizes.weight / (standing * sizes.corners)
-            even = ca.repmat(ca.DM([0, 0, share]), standing * sizes.corners)
-            cost += weight["force"] * ca.sumsqr((node["force"] - even) / sizes.unit_force)
+            even = ca.repmat(ca.DM([0, 0, sizes.legs / standing]), standing * sizes.corners)
+            cost += weight["force"] * ca.sumsqr(node["force"] - even)
     steep = {name: nodes[1][name] - nodes[0][name] for name in nodes[0]}
     cost += weight["steep_joints"] * ca.sumsqr(steep["joint_acceleration"] / width["steep"])
     for name in ("acceleration", "omega_rate"):
         cost += weight["steep_base"] * ca.sumsqr(steep[name] / width[name])
-    return cost + weight["steep_force"] * ca.sumsqr(steep["force"] / sizes.unit_force)
+    return cost + weight["steep_force"] * ca.sumsqr(steep["force"])
 
 
-def _widths(robot: Robot) -> dict[str, Any]:
+def _widths(sizes: Sizes) -> dict[str, Any]:
     """Name -> width, a scalar or (J,)."""
-    slides = np.isin(robot.joint_names, sorted(robot.sliding_joints))
+    slides = sizes.slides
     if not slides.any():
         return dict(WIDTHS)
     unit = ca.DM(np.where(slides, SLIDE, 1.0))

@@ -3,58 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 
 from llsrbm.models.rigid_bodies import Mark, cross
-from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
-from llsrbm.planning.whole_body.sizes import line
+from llsrbm.ocp.composition import Derived
+from llsrbm.ocp.lifting import Lifting
+from llsrbm.planning.problem.rotations import quat_exp, quat_product
+from llsrbm.planning.whole_body.chain import split
+from llsrbm.planning.whole_body.sizes import NODES, accelerations, line, moving
 
 JOINTS = ("joint_position", "joint_velocity", "joint_acceleration")
 
 
-@dataclass(frozen=True, eq=False)
-class Pose:
-    """The whole body at an instant.
-
-    Attributes:
-        position, velocity: (3,) m, m/s of the base's origin in the world.
-        quat: (4,) w, x, y, z; R: (3, 3) base axes to the world's.
-        omega: (3,) rad/s, base axes; joint_position, joint_velocity: (J,).
+@lru_cache(maxsize=32)
+def pose_at(joints: int, share: float) -> Derived:
+    """What moves, at a share of an interval: of what moves at its start, the accelerations at one
+    node after the other, and the step, s.
     """
-
-    position: Any
-    quat: Any
-    joint_position: Any
-    velocity: Any
-    omega: Any
-    joint_velocity: Any
-    R: Any
-
-    @classmethod
-    def of(cls, state: Mapping[str, Any], mark: Mark) -> Pose:
-        """The pose of a state, name -> expression."""
-        moving = {n: v for n, v in state.items() if n != "durations"}
-        return cls(**moving, R=mark(rotation_matrix(state["quat"])))
+    state, rates = moving(joints), accelerations(joints)
+    controls = {f"{name} {k}": n for k in range(len(NODES)) for name, n in rates.items()}
+    sizes = {**state, **controls, "step": 1}
+    v = ca.SX.sym("v", sum(sizes.values()))
+    x, mark = split(v, sizes), Lifting(v)
+    nodes = [{name: x[f"{name} {k}"] for name in rates} for k in range(len(NODES))]
+    over = _Interval({name: x[name] for name in state}, nodes, x["step"], mark)
+    after = ca.vertcat(*over.moved(share).values())
+    return Derived(f"pose_{round(100 * share)}", v, ca.SX(0, 1), after, mark)
 
 
-class Interval:
+class _Interval:
     """From a knot's state (name -> expression) over `step`, s, under the controls of each node."""
 
     def __init__(
         self, state: Mapping[str, Any], controls: Sequence[Mapping[str, Any]], step: Any, mark: Mark
     ) -> None:
-        self._state, self.controls, self._step, self._mark = state, controls, step, mark
-        self._poses: dict[float, Pose] = {}
-
-    def at(self, share: float) -> Pose:
-        """The pose at a share of it."""
-        if share not in self._poses:
-            state = {name: self._mark(values) for name, values in self.moved(share).items()}
-            self._poses[share] = Pose.of(state, self._mark)
-        return self._poses[share]
+        self._state, self._controls, self._step, self._mark = state, controls, step, mark
 
     def moved(self, share: float) -> dict[str, Any]:
         """The moving part of the state at a share of it."""
@@ -67,12 +53,8 @@ class Interval:
             "joint_velocity": self._sped(*JOINTS[1:], share),
         }
 
-    def mixed(self, name: str, share: float) -> Any:
-        """A control of this name at a share of it."""
-        return self._weighed(name, line(share)[0])
-
     def _weighed(self, name: str, weights: Any) -> Any:
-        return sum(float(w) * u[name] for w, u in zip(weights, self.controls, strict=True))
+        return sum(float(w) * u[name] for w, u in zip(weights, self._controls, strict=True))
 
     def _moved(self, position: str, velocity: str, acceleration: str, share: float) -> Any:
         twice = self._weighed(acceleration, line(share)[2])

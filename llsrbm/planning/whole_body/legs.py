@@ -12,10 +12,9 @@ from typing import Any
 
 import casadi as ca
 
-from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.models.rigid_bodies import Mark, Moving, RigidBodies, cross
-from llsrbm.planning.whole_body.interval import Pose
-from llsrbm.robots.feet import foot_contacts
+from llsrbm.planning.whole_body.chain import split
+from llsrbm.planning.whole_body.leg_pose import pose_outputs
+from llsrbm.planning.whole_body.limbs import LimbKind
 
 DRIFT = 10.0  # 1/s: by how much of it a standing foot's drift falls
 TURN_UNIT = 5.0  # of rows of soles that turn
@@ -27,24 +26,41 @@ class Leg:
     """A leg in a pose, world axes.
 
     Attributes:
-        foot: (3,) m, of its frame; sole: (3, 3) its axes.
+        foot: (3,) m, of its frame; sole: (3, 3) its axes; None of a ball.
         velocity, omega: (3,) m/s, rad/s of the frame.
         balls: (3,) m each, their middles; rises: m/s, how fast they do.
         radius: m of the balls.
-        knee_height: m; None: it has no knee.
+        knee_height: m; empty if it has no knee.
         shank: (3,) m of the foot, and of the middle between it and the knee if there is one, base
             axes, from the base's origin.
     """
 
     foot: Any
-    sole: Any
     velocity: Any
+    sole: Any
     omega: Any
     balls: list[Any]
     rises: list[Any]
-    radius: float
+    radius: Any
     knee_height: Any
     shank: list[Any]
+
+    @classmethod
+    def of(cls, kind: LimbKind, pose: Any, radius: Any) -> Leg:
+        """What `leg_pose` gave, with the radius of its balls, m."""
+        at = split(pose, pose_outputs(kind))
+        soles = kind.corners > 1
+        return cls(
+            foot=at["foot"],
+            velocity=at["velocity"],
+            sole=ca.reshape(at["sole"], 3, 3) if soles else None,
+            omega=at["omega"] if soles else None,
+            balls=ca.vertsplit(at["balls"], 3),
+            rises=ca.vertsplit(at["rises"]),
+            radius=radius,
+            knee_height=at["knee_height"],
+            shank=ca.vertsplit(at["shank"], 3),
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,45 +75,6 @@ class Ground:
     place: Any
     heading: Any
     towards: Any
-
-
-def legs_of(bodies: RigidBodies, pose: Pose, mark: Mark) -> list[Leg]:
-    """All legs in a pose."""
-    R, robot = pose.R, bodies.robot
-    base = mark(ca.mtimes(R.T, pose.velocity))
-    feet = bodies.feet(pose.joint_position, pose.joint_velocity, pose.omega, base)
-    joint, found = knee_joint(robot), []
-    for leg, foot, contact in zip(robot.legs, feet, foot_contacts(robot), strict=True):
-        at, velocity, up = mark(foot.position), mark(foot.velocity), R[2, :].T
-        arms = [
-            mark(ca.mtimes(foot.rotation, ca.DM(c))) if c.any() else ca.SX(3, 1)
-            for c in contact.centres
-        ]
-        place = pose.position + ca.mtimes(R, at)
-        knee = None if joint is None else mark(_joint(bodies, leg.joint_ids[joint], pose))
-        found.append(
-            Leg(
-                foot=place,
-                sole=ca.mtimes(R, foot.rotation),
-                velocity=ca.mtimes(R, velocity),
-                omega=ca.mtimes(R, foot.omega),
-                balls=[place + ca.mtimes(R, arm) for arm in arms],
-                rises=[ca.dot(up, velocity + cross(foot.omega, arm)) for arm in arms],
-                radius=contact.radius,
-                knee_height=None if knee is None else pose.position[2] + ca.dot(up, knee),
-                shank=[at] if knee is None else [at, (at + knee) / 2],
-            )
-        )
-    return found
-
-
-def _joint(bodies: RigidBodies, joint: int, pose: Pose) -> Any:
-    """(3,) m: where a joint is, base axes, from the base's origin."""
-    zero = ca.SX.zeros(3)
-    base = Moving(ca.SX.eye(3), zero, zero, zero)
-    chain, joints = bodies.chain(joint), pose.joint_position
-    *_, last = bodies.moving(chain, joints, ca.SX.zeros(joints.shape), base)
-    return last.position
 
 
 def off_place(leg: Leg, ground: Ground) -> list[Any]:

@@ -3,47 +3,40 @@
 from __future__ import annotations
 
 from functools import partial
+from itertools import groupby
+from operator import itemgetter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.models.rigid_bodies import RigidBodies
 from llsrbm.ocp.horizon import Horizon, Problem, Run
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts
-from llsrbm.planning.whole_body.stage import stage_expressions
+from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
+from llsrbm.planning.whole_body.stage import composed_stage
 from llsrbm.planning.whole_body.start import Start
-from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-# Stages a run: longer ones would be evaluated together, operation by operation
-# (`llsrbm.ocp.stage_functions`), which takes a minute more and a gigabyte to build.
-LONGEST = 5
 
-
-def make_horizon(robot: Robot, grid: Grid) -> Horizon:
-    """The stages of a robot's plans on a grid."""
-    bodies, sizes = RigidBodies(robot), Sizes.of(robot, len(grid.phases))
-    own = sum(sizes.own.values())
+def make_horizon(sizes: Sizes, grid: Grid) -> Horizon:
+    """The stages of plans on a grid, of all robots of these sizes."""
+    own, every = sum(sizes.own.values()), sum(sizes.robot.values())
     runs: list[Run] = []
-    first = 0
-    knots = grid.knots
-    for k, knot in enumerate(knots):
-        if k + 1 < len(knots) and knots[k + 1] == knot and k + 1 - first < LONGEST:
-            continue
-        places = tuple(slice(i * own, (i + 1) * own) for i in range(first, k + 1))
-        build = partial(stage_expressions, bodies, knot, sizes)
-        runs.append(Run(family=knot, count=k + 1 - first, build=build, own=places))
-        first = k + 1
-    return Horizon(tuple(runs), own * len(knots))
+    for knot, alike in groupby(enumerate(grid.knots), key=itemgetter(1)):
+        stages = [k for k, _ in alike]
+        places = tuple(slice(every + k * own, every + (k + 1) * own) for k in stages)
+        build = partial(composed_stage, knot, sizes)
+        shared = (slice(0, every),)
+        runs.append(Run(family=knot, count=len(stages), build=build, local=shared, own=places))
+    return Horizon(tuple(runs), every + own * len(grid.knots))
 
 
 def make_problem(rows: RowBounds) -> Problem:
     """A plan's numbers."""
     lower, upper = zip(*((low, high) for *_, low, high in rows), strict=True)
-    parameters = _parameters(rows.grid, rows.sizes, rows.start)
+    own = _parameters(rows.grid, rows.sizes, rows.start)
+    parameters = np.concatenate([robot_numbers(rows.robot), own])
     return Problem(parameters, np.concatenate(lower), np.concatenate(upper))
 
 

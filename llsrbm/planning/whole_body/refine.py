@@ -19,6 +19,7 @@ from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
 from llsrbm.planning.whole_body.result import plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
+from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.start import start_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
@@ -105,10 +106,11 @@ def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
 
 
 def _subject(robot: Robot, grid: Grid) -> Subject:
+    sizes = Sizes.of(robot, len(grid.phases))
     return Subject(
         of=f"{robot.name}-whole-body",
         variant=grid.name,
         title=f"whole-body solver of {robot.name}",
-        numbers=repr((robot.parameters(), robot.urdf.content, grid)),
-        horizon=lambda: make_horizon(robot, grid),
+        numbers=repr((replace(sizes, weight=0.0), grid)),
+        horizon=lambda: make_horizon(sizes, grid),
     )

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.mechanics import GRAVITY
 from llsrbm.planning.whole_body.apart import PAIRS
 from llsrbm.planning.whole_body.grid import Knot
+from llsrbm.planning.whole_body.limbs import LINK, LimbKind, limbs_of, trunk_numbers
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -48,38 +48,34 @@ UNITS = {
 EQUALITIES = frozenset({"start", "rest", "landing", "goal", "dynamics"})
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Sizes:
     """Numbers of a robot's joints, limbs and contact points, and what its variables are scaled by.
 
+    Equal ones have the same expressions, whatever their robots weigh.
+
     Attributes:
+        limbs: legs in their order, then arms; limb_joints: the places of their joints.
         phases: of the schedule, whose durations are variables.
-        knees: whether its legs have some; pairs: of legs beside each other, or one behind the
-            other.
-        weight: N of the robot; unit_force: N, of a contact point's force.
+        pairs: of legs beside each other, or one behind the other.
+        weight: N of the robot.
     """
 
-    joints: int
-    legs: int
-    arms: int
-    corners: int
+    limbs: tuple[LimbKind, ...]
+    limb_joints: tuple[tuple[int, ...], ...]
     phases: int
-    knees: bool
     pairs: tuple[tuple[int, int], ...]
-    weight: float
+    weight: float = field(compare=False)
 
     @classmethod
     def of(cls, robot: Robot, phases: int) -> Sizes:
         """A robot's, in a schedule of so many phases."""
-        hips = np.sign(robot.hips[:, :2])
+        hips, limbs = np.sign(robot.hips[:, :2]), limbs_of(robot)
         legs = len(robot.legs)
         return cls(
-            joints=len(robot.joint_names),
-            legs=legs,
-            arms=len(robot.arms),
-            corners=len(robot.corners),
+            limbs=tuple(limb.kind for limb in limbs),
+            limb_joints=tuple(limb.joints for limb in limbs),
             phases=phases,
-            knees=knee_joint(robot) is not None,
             pairs=tuple(
                 (i, j)
                 for i, j in combinations(range(legs), 2)
@@ -89,6 +85,41 @@ class Sizes:
         )
 
     @property
+    def joints(self) -> int:
+        """Number of joints."""
+        return sum(map(len, self.limb_joints))
+
+    @property
+    def legs(self) -> int:
+        """Number of legs."""
+        return sum(limb.corners > 0 for limb in self.limbs)
+
+    @property
+    def corners(self) -> int:
+        """Contact points of a foot."""
+        return self.limbs[0].corners
+
+    @property
+    def knees(self) -> bool:
+        """Whether legs have some."""
+        return self.limbs[0].knee is not None
+
+    @property
+    def slides(self) -> NDArray[np.bool_]:
+        """(J,) which joints do."""
+        found = np.zeros(self.joints, dtype=bool)
+        for limb, places in zip(self.limbs, self.limb_joints, strict=True):
+            found[list(places)] = [joint.slides for joint in limb.joints]
+        return found
+
+    @property
+    def robot(self) -> dict[str, int]:
+        """Parameters of the whole problem: the robot in numbers, as `robot_numbers` gives them."""
+        limbs = {f"limb {i}": sum(kind.numbers.values()) for i, kind in enumerate(self.limbs)}
+        each = dict.fromkeys(("torque_limit", "speed_limit", "posture"), self.joints)
+        return {"weight": 1, "trunk": sum(LINK.values()), **limbs, **each}
+
+    @property
     def unit_force(self) -> float:
         """N: each contact point's share of the weight."""
         return self.weight / (self.legs * self.corners)
@@ -96,14 +127,7 @@ class Sizes:
     @property
     def moving(self) -> dict[str, int]:
         """Base: place and velocity in the world, attitude, and rate in its axes; joints."""
-        return {
-            "position": 3,
-            "quat": 4,
-            "joint_position": self.joints,
-            "velocity": 3,
-            "omega": 3,
-            "joint_velocity": self.joints,
-        }
+        return moving(self.joints)
 
     @property
     def state(self) -> dict[str, int]:
@@ -113,7 +137,7 @@ class Sizes:
     @property
     def motion(self) -> dict[str, int]:
         """Accelerations at a node."""
-        return {"acceleration": 3, "omega_rate": 3, "joint_acceleration": self.joints}
+        return accelerations(self.joints)
 
     def node(self, legs: int) -> dict[str, int]:
         """Controls at a node at which so many legs stand."""
@@ -158,7 +182,7 @@ class Sizes:
     @property
     def near(self) -> int:
         """Pairs of links, or of a link and a box, that are kept apart."""
-        return PAIRS * (self.legs + self.arms)
+        return PAIRS * len(self.limbs)
 
     @property
     def posture(self) -> int:
@@ -219,6 +243,25 @@ class Sizes:
             "knees": self.knees * len(standing),
             "apart": self.near,
         }
+
+
+def moving(joints: int) -> dict[str, int]:
+    """Base: place and velocity in the world, attitude, and rate in its axes; joints."""
+    base = {"position": 3, "quat": 4, "joint_position": joints}
+    return base | {"velocity": 3, "omega": 3, "joint_velocity": joints}
+
+
+def accelerations(joints: int) -> dict[str, int]:
+    """Of what moves."""
+    return {"acceleration": 3, "omega_rate": 3, "joint_acceleration": joints}
+
+
+def robot_numbers(robot: Robot) -> Array:
+    """`Sizes.robot` of a robot."""
+    each = robot.torque_limit, robot.speed_limit, robot.posture[7:]
+    limbs = (limb.numbers for limb in limbs_of(robot))
+    weight = np.array([robot.mass * GRAVITY])
+    return np.concatenate([weight, trunk_numbers(robot), *limbs, *each])
 
 
 def units(sizes: Mapping[str, int], unit_force: float) -> Array:

@@ -1,183 +1,212 @@
-"""A knot of the whole-body problem, and the interval after it, as expressions.
+"""A stage of the whole-body problem: which functions are called, of what.
 
-Dynamics are inverse: accelerations and contact forces are controls, torques follow, and the six
-rows of the base, which no drive pushes, have to be zero at the nodes. The durations of the phases
-are states that do not change.
+The durations of the phases are states that do not change.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import lru_cache
 from typing import Any
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
-from llsrbm.mechanics import GRAVITY, INSCRIBED
-from llsrbm.models.rigid_bodies import Effort, RigidBodies
-from llsrbm.ocp.horizon import Row, StageExpressions
+from llsrbm.ocp.composition import Composed, Composition, Derived, Part
 from llsrbm.ocp.lifting import Lifting
-from llsrbm.planning.whole_body import costs, legs
+from llsrbm.planning.whole_body.chain import split
+from llsrbm.planning.whole_body.effort import limb_effort, trunk_effort
 from llsrbm.planning.whole_body.grid import Knot
-from llsrbm.planning.whole_body.interval import Interval, Pose, turned
-from llsrbm.planning.whole_body.sizes import (
-    EQUALITIES,
-    NODES,
-    WEIGHTS,
-    Sizes,
-    line,
-    parts,
-    units,
-)
+from llsrbm.planning.whole_body.interval import pose_at
+from llsrbm.planning.whole_body.leg_pose import leg_pose
+from llsrbm.planning.whole_body.rows import Stage
+from llsrbm.planning.whole_body.sizes import NODES, Sizes, units
 
-MOMENT_ARM = 0.2  # m: moments count as forces with that arm
-DRIVE_SLOPE = 0.3  # share of the speed limit over which the torque falls to zero
+LATER = 1.0  # shares of the interval
+MIDDLE = 0.5
 
 
-def stage_expressions(bodies: RigidBodies, knot: Knot, sizes: Sizes) -> StageExpressions:
+def composed_stage(knot: Knot, sizes: Sizes) -> Composed:
     """A knot's stage."""
-    return _Stage(bodies, knot, sizes).expressions()
+    return _Builder(knot, sizes).composed()
 
 
-class _Stage:
-    def __init__(self, bodies: RigidBodies, knot: Knot, sizes: Sizes) -> None:
-        self.bodies, self.knot, self.robot, self.sizes = bodies, knot, bodies.robot, sizes
-        self.z = ca.SX.sym("z", sizes.states + sizes.controls(knot))
-        self.local = ca.SX.sym("own", sum(sizes.own.values()))
-        self.near = parts(self.local, sizes.own)
-        self.mark = Lifting(self.z)
-        values = self.z * ca.DM(sizes.unit(knot))
-        self.x = parts(values[: sizes.states], sizes.state)
-        of_node = sizes.node(len(knot.standing))
-        controls = np.split(np.arange(sizes.states, values.numel()), len(NODES))
-        self.u = [] if knot.last else [parts(values[list(at)], of_node) for at in controls]
-        step = self.near["step"] * ca.dot(self.near["phase"], self.x["durations"])
-        self.step = self.mark(step)
-        self.weight = dict(zip(WEIGHTS, ca.vertsplit(self.near["weights"]), strict=True))
-        self.over = Interval(self.x, self.u, self.step, self.mark)
-        self.pose = Pose.of(self.x, self.mark)
+class _Builder:
+    def __init__(self, knot: Knot, sizes: Sizes) -> None:
+        self.knot, self.sizes = knot, sizes
+        z = ca.MX.sym("z", sizes.states + sizes.controls(knot))
+        numbers = ca.MX.sym("own", sum(sizes.robot.values()) + sum(sizes.own.values()))
+        self.numbers = split(numbers, sizes.robot | sizes.own)
+        self.calls = Composition(z, self._unit(), numbers)
+        self.state = _named(self.calls.start, sizes.state)
+        self.nodes = list(self._nodes())
 
-    def expressions(self) -> StageExpressions:
-        """Cost, rows and the state at the next knot."""
-        rows = self._knot_rows()
-        cost = costs.of_knot(self.pose, self.near, self.weight, self.robot)
-        expected = list(self.sizes.rows(self.knot).items())
-        if self.knot.first:
-            cost += costs.of_durations(self.x["durations"], self.weight)
-        if self.u:
-            over, more = self._over_interval()
-            rows, cost = rows + over, cost + more
-            of_interval = self.sizes.interval_rows(self.knot)
-            expected += [(name, size) for name, _, size in of_interval]
-        assert [(name, values.numel()) for name, values in rows] == expected
-        return StageExpressions(
-            variables=self.z,
-            states=self.sizes.states,
-            shared=ca.SX(0, 1),
-            local=self.local,
-            cost=costs.SCALE * cost,
-            rows=tuple(Row(values, name in EQUALITIES) for name, values in rows),
-            next_state=self._next_state() if self.u else None,
-            lift=self.mark,
-            exact=False,  # the cost alone: twice the iterations, a third of the time to build
+    def _unit(self) -> Any:
+        """What one of each variable is in SI units."""
+        sizes = self.sizes
+        found = [ca.DM(units(sizes.state, 1.0))]
+        force = self.numbers["weight"] / (sizes.legs * sizes.corners)
+        for _ in NODES if not self.knot.last else ():
+            of_node = sizes.node(len(self.knot.standing))
+            motion = {name: n for name, n in of_node.items() if name != "force"}
+            found += [ca.DM(units(motion, 1.0)), ca.repmat(force, of_node["force"], 1)]
+        return ca.vertcat(*found)
+
+    def _nodes(self) -> Iterator[dict[str, Part]]:
+        of_node = self.sizes.node(len(self.knot.standing))
+        size, at = sum(of_node.values()), self.sizes.states
+        while at < self.calls.start.size:
+            yield _named(self.calls.start.cut(at, at + size), of_node)
+            at += size
+
+    def composed(self) -> Composed:
+        """All calls, and what the stage gives."""
+        knot, sizes = self.knot, self.sizes
+        moving = {name: self.state[name] for name in sizes.moving}
+        poses = {} if knot.last else self._poses(moving)
+        legs = () if knot.first else self._legs(moving)
+        inputs = {"variables": self.calls.start}
+        inputs |= {f"leg {i}": part for i, part in enumerate(legs)}
+        if not knot.last:
+            middle = _named(poses[MIDDLE], sizes.moving)
+            inputs |= {"middle": poses[MIDDLE], "later": poses[LATER]}
+            inputs |= {f"middle leg {i}": part for i, part in enumerate(self._legs(middle))}
+            for n, share in enumerate(NODES):
+                efforts = self._efforts(_named(poses[share], sizes.moving), n)
+                inputs |= {f"effort {n} {i}": part for i, part in enumerate(efforts)}
+        v, n, stage = _symbols(knot, sizes, {name: part.size for name, part in inputs.items()})
+        rows = stage.rows()
+        g = ca.vertcat(*(ca.vec(row.expression) for row in rows))
+        return Composed(
+            calls=self.calls,
+            states=sizes.states,
+            cost=self._called("cost", stage.cost(), inputs, v, n),
+            rows=self._called("rows", g, inputs, v, n),
+            next_state=None if knot.last else self._next(poses[LATER]),
+            equality=tuple(row.equality for row in rows for _ in range(row.expression.numel())),
         )
 
-    def _next_state(self) -> Any:
-        state = {**self.over.moved(1.0), "durations": self.x["durations"]}
-        return ca.vertcat(*state.values()) / ca.DM(units(self.sizes.state, 1.0))
+    def _called(
+        self, name: str, values: Any, inputs: dict[str, Part], v: dict[str, Any], n: Any
+    ) -> Part:
+        """Values of symbols, as a function of those parts that count."""
+        every = ca.vertcat(*v.values())
+        counts = _counts(values, every)
+        used, at = [], 0
+        for part, symbols in v.items():
+            if counts[at : at + symbols.numel()].any():
+                used.append(part)
+            at += symbols.numel()
+        variables = ca.vertcat(*(v[part] for part in used))
+        function = Derived(name, variables, n, values, Lifting(variables))
+        return self.calls(function, [inputs[part] for part in used], self.calls.numbers)
 
-    def _knot_rows(self) -> list[tuple[str, Any]]:
-        near, x = self.near, self.x
-        if self.knot.first:
-            off = [x[name] - near[name] for name in self.sizes.moving]
-            return [("start", ca.vertcat(*off)), ("durations", x["durations"])]
-        found = self._of_posture(self.pose, self.knot.resting, "apart")
-        goal = [x["position"] - near["position"], turned(x["quat"], near["quat"])]
-        goal += [x[name] - near[name] for name in ("velocity", "omega")]
-        found["goal"] = ca.vertcat(*goal)
-        return [(name, found[name]) for name in self.sizes.rows(self.knot)]
-
-    def _ground(self, leg: int) -> legs.Ground:
-        place, heading, towards = (self.near[n] for n in ("place", "heading", "towards"))
-        pair = slice(2 * leg, 2 * leg + 2)
-        return legs.Ground(place[3 * leg : 3 * leg + 3], heading[pair], towards[pair])
-
-    def _of_posture(self, pose: Pose, standing: tuple[int, ...], apart: str) -> dict[str, Any]:
-        """Rows of a pose in which these legs stand; `apart`: the parameters of distances."""
-        found = legs.legs_of(self.bodies, pose, self.mark)
-        grounds = [self._ground(leg) for leg in range(self.sizes.legs)]
-        stand = [(found[i], grounds[i]) for i in standing]
-        swing = [(found[i], grounds[i]) for i in range(self.sizes.legs) if i not in standing]
-        pairs = self.sizes.pairs_with(standing)
-        shanks = [legs.squared_distances(found[i], found[j]) for i, j in pairs]
-        slopes = ca.reshape(self.near[apart], self.sizes.posture, self.sizes.near)
-        place = pose.position, turned(pose.quat, self.near["quat"]), pose.joint_position
-        return {
-            "stop": pose.joint_position,
-            "speed": pose.joint_velocity / ca.DM(self.robot.speed_limit),
-            "rest": ca.vertcat(*(legs.rest(*each) for each in stand)),
-            "landing": ca.vertcat(*(legs.landing(found[i], grounds[i]) for i in self.knot.landing)),
-            "clearance": ca.vertcat(*(legs.heights(leg) for leg, _ in swing)),
-            "edge": ca.vertcat(*(legs.along(*each) for each in swing)),
-            "shanks": ca.vertcat(*(d for each in shanks for d in each)),
-            "knees": ca.vertcat(*(legs.knee_height(*each) for each in stand * self.sizes.knees)),
-            # Distances but for constants, which are in the bounds.
-            "apart": slopes.T @ ca.vertcat(*place),
-        }
-
-    def _over_interval(self) -> tuple[list[tuple[str, Any]], Any]:
-        """Rows and cost of the interval."""
-        sizes, limit = self.sizes, ca.DM(self.robot.torque_limit)
-        efforts = [self._effort(node) for node in range(len(NODES))]
-        loads = [self.mark(effort.torque / limit) for effort in efforts]
-        torque_share, speed_share, mu = ca.vertsplit(self.near["limits"])
-        middle = self._of_posture(self.over.at(0.5), self.knot.standing, "apart_in_middle")
-        found: list[tuple[str, Any]] = []
-        for name, share, _ in sizes.interval_rows(self.knot):
-            load = sum(float(w) * values for w, values in zip(line(share)[0], loads, strict=True))
-            if name == "dynamics":
-                effort = efforts[NODES.index(share)]
-                balance = ca.vertcat(effort.force, effort.moment / MOMENT_ARM)
-                found.append((name, balance / sizes.weight))
-            elif name == "torque":
-                found.append((name, load))
-            elif name == "drive":
-                velocity = self.over.moved(share)["joint_velocity"]
-                speed = velocity / ca.DM(self.robot.speed_limit)
-                found.append((name, DRIVE_SLOPE * load / torque_share + speed / speed_share))
-            elif name == "friction":
-                sides = _pyramid(self.over.mixed("force", share), mu * INSCRIBED)
-                found.append((name, sides / sizes.unit_force))
-            else:
-                found.append((name, middle[name]))
-        standing = len(self.knot.standing)
-        own = self.weight, sizes, self.robot
-        return found, costs.of_interval(self.u, loads, standing, *own)
-
-    def _effort(self, node: int) -> Effort:
-        """Inverse dynamics at a node."""
-        u, mark, pose = self.u[node], self.mark, self.over.at(NODES[node])
-        pushes = ca.reshape(u["force"], 3, -1)
-        forces: dict[int, list[Any]] = {}
-        for n, leg in enumerate(self.knot.standing):
-            own = range(self.sizes.corners * n, self.sizes.corners * (n + 1))
-            forces[leg] = [mark(ca.mtimes(pose.R.T, pushes[:, k])) for k in own]
-        return self.bodies.inverse_dynamics(
-            pose.joint_position,
-            pose.joint_velocity,
-            u["joint_acceleration"],
-            pose.omega,
-            u["omega_rate"],
-            mark(ca.mtimes(pose.R.T, u["acceleration"] + ca.DM([0, 0, GRAVITY]))),
-            pose.R[2, :].T,
-            forces,
-            mark,
+    def _step(self) -> Part:
+        """The interval's length, s: its share of its phase's duration."""
+        return self.calls(
+            _step(self.sizes.phases),
+            [self.state["durations"]],
+            ca.vertcat(self.numbers["step"], self.numbers["phase"]),
         )
 
+    def _poses(self, moving: dict[str, Part]) -> dict[float, Part]:
+        """Share of the interval -> what moves then."""
+        rates = [node[name] for node in self.nodes for name in self.sizes.motion]
+        inputs = [*moving.values(), *rates, self._step()]
+        shares = (*NODES, MIDDLE, LATER)
+        joints, none = self.sizes.joints, ca.MX(0, 1)
+        return {share: self.calls(pose_at(joints, share), inputs, none) for share in shares}
 
-def _pyramid(force: Any, slope: Any) -> Any:
-    """(4 n, 1) what is left of friction to four sides, of n forces (3 n, 1)."""
-    sides = []
-    for k in range(0, force.numel(), 3):
-        room = slope * force[k + 2]
-        sides += [room - force[k], room + force[k], room - force[k + 1], room + force[k + 1]]
-    return ca.vertcat(*sides)
+    def _next(self, later: Part) -> Part:
+        """The next state, in its units."""
+        return self.calls(_scaled(self.sizes), [later, self.state["durations"]], ca.MX(0, 1))
+
+    def _legs(self, pose: dict[str, Part]) -> tuple[Part, ...]:
+        found = []
+        base = [pose[name] for name in ("position", "quat", "velocity", "omega")]
+        for i in range(self.sizes.legs):
+            joints = [*self._of_limb(pose["joint_position"], i)]
+            joints += self._of_limb(pose["joint_velocity"], i)
+            of = leg_pose(self.sizes.limbs[i])
+            found.append(self.calls(of, [*base, *joints], self.numbers[f"limb {i}"]))
+        return tuple(found)
+
+    def _efforts(self, pose: dict[str, Part], node: int) -> tuple[Part, ...]:
+        u, knot, sizes = self.nodes[node], self.knot, self.sizes
+        base = [pose["quat"], pose["omega"], u["acceleration"], u["omega_rate"]]
+        found = [self.calls(trunk_effort(), base, self.numbers["trunk"])]
+        for i, kind in enumerate(sizes.limbs):
+            inputs = list(base)
+            rates = pose["joint_position"], pose["joint_velocity"], u["joint_acceleration"]
+            for each in rates:
+                inputs += self._of_limb(each, i)
+            stands = i in knot.standing
+            if stands:
+                place, size = knot.standing.index(i), 3 * sizes.corners
+                inputs.append(u["force"].cut(place * size, (place + 1) * size))
+            of = limb_effort(kind, stands)
+            found.append(self.calls(of, inputs, self.numbers[f"limb {i}"]))
+        return tuple(found)
+
+    def _of_limb(self, joints: Part, limb: int) -> Iterator[Part]:
+        """A limb's of all joints' values."""
+        places = np.array(self.sizes.limb_joints[limb])
+        for run in np.split(places, np.flatnonzero(np.diff(places) != 1) + 1):
+            yield joints.cut(int(run[0]), int(run[-1]) + 1)
+
+
+def _named(part: Part, sizes: dict[str, int]) -> dict[str, Part]:
+    found, at = {}, 0
+    for name, size in sizes.items():
+        found[name] = part.cut(at, at + size)
+        at += size
+    return found
+
+
+@lru_cache
+def _step(phases: int) -> Derived:
+    v, n = ca.SX.sym("v", phases), ca.SX.sym("n", phases + 1)
+    return Derived("step", v, n, n[0] * ca.dot(n[1:], v), Lifting(v))
+
+
+@lru_cache(maxsize=16)
+def _scaled(sizes: Sizes) -> Derived:
+    v = ca.SX.sym("v", sizes.states)
+    return Derived("next", v, ca.SX(0, 1), v / ca.DM(units(sizes.state, 1.0)), Lifting(v))
+
+
+def _counts(values: Any, variables: Any) -> NDArray[np.bool_]:
+    """(n,) of variables, on which some values depend."""
+    pattern = ca.jacobian_sparsity(values, variables)
+    return np.diff(pattern.colind()) > 0
+
+
+def _symbols(
+    knot: Knot, sizes: Sizes, widths: dict[str, int]
+) -> tuple[dict[str, Any], Any, Stage]:
+    """Symbols of parts with these names and sizes, of the parameters, and the stage of them."""
+    part = {name: ca.SX.sym(name, size) for name, size in widths.items()}
+    n = ca.SX.sym("n", sum(sizes.robot.values()) + sum(sizes.own.values()))
+    numbers = split(n, sizes.robot | sizes.own)
+    unit_force = numbers["weight"] / (sizes.legs * sizes.corners)
+    nodes = []
+    of_node = sizes.node(len(knot.standing))
+    for k in range(0 if knot.last else len(NODES)):
+        at = sizes.states + k * sum(of_node.values())
+        node = split(part["variables"][at : at + sum(of_node.values())], of_node)
+        nodes.append(node | {"force": node["force"] / unit_force})
+    legs, limbs = range(sizes.legs), range(1 + len(sizes.limbs))
+    stage = Stage(
+        knot=knot,
+        sizes=sizes,
+        state=split(part["variables"][: sizes.states], sizes.state),
+        nodes=tuple(nodes),
+        middle={} if knot.last else split(part["middle"], sizes.moving),
+        later=None if knot.last else split(part["later"], sizes.moving)["joint_velocity"],
+        legs=() if knot.first else tuple(part[f"leg {i}"] for i in legs),
+        legs_in_middle=() if knot.last else tuple(part[f"middle leg {i}"] for i in legs),
+        efforts=tuple(tuple(part[f"effort {k} {i}"] for i in limbs) for k in range(len(nodes))),
+        numbers=numbers,
+    )
+    return part, n, stage

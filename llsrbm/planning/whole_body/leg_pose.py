@@ -1,0 +1,82 @@
+"""Where a leg's foot, its balls, its shank and its knee are in a pose, and how they move."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import casadi as ca
+
+from llsrbm.models.rigid_bodies import cross
+from llsrbm.ocp.composition import Derived
+from llsrbm.ocp.lifting import Lifting
+from llsrbm.planning.problem.rotations import rotation_matrix
+from llsrbm.planning.whole_body.chain import Chain, split
+from llsrbm.planning.whole_body.limbs import LimbKind
+
+
+def pose_inputs(kind: LimbKind) -> dict[str, int]:
+    """What `leg_pose` depends on."""
+    joints = len(kind.joints)
+    base = {"position": 3, "quat": 4, "velocity": 3, "omega": 3}
+    return base | {"joint_position": joints, "joint_velocity": joints}
+
+
+def pose_outputs(kind: LimbKind) -> dict[str, int]:
+    """What `leg_pose` gives, world axes: the foot's place, velocity and (of soles) axes and rate;
+    the middles of its balls and how fast they rise; the knee's height; in base axes from the base's
+    origin, the foot, and the middle of the shank.
+    """
+    soles = {"sole": 9, "omega": 3} if kind.corners > 1 else {}
+    shank = 1 if kind.knee is None else 2
+    found = {"foot": 3, "velocity": 3, **soles, "balls": 3 * kind.corners, "rises": kind.corners}
+    return found | {"knee_height": shank - 1, "shank": 3 * shank}
+
+
+@lru_cache(maxsize=32)
+def leg_pose(kind: LimbKind) -> Derived:
+    """`pose_inputs` -> `pose_outputs`."""
+    sizes = pose_inputs(kind)
+    v = ca.SX.sym("v", sum(sizes.values()))
+    x, chain, mark = split(v, sizes), Chain(kind), Lifting(v)
+    n, q, dq = chain.n, x["joint_position"], x["joint_velocity"]
+    R_world_base = mark(rotation_matrix(x["quat"]))
+    R, at, knee = ca.SX.eye(3), ca.SX(3, 1), None
+    # Velocities against the base, own axes.
+    speed, w = ca.SX(3, 1), ca.SX(3, 1)
+    for i, joint in enumerate(kind.joints):
+        turn, arm, axis = chain.turn(i, q[i]), chain.arm(i, q), chain.axis(i)
+        at, R = mark(at + ca.mtimes(R, arm)), mark(ca.mtimes(R, turn))
+        speed, w = ca.mtimes(turn.T, speed + cross(w, arm)), ca.mtimes(turn.T, w)
+        moves = axis * dq[i]
+        speed, w = (speed + moves, w) if joint.slides else (speed, w + moves)
+        speed, w = mark(speed), mark(w)
+        knee = at if i == kind.knee else knee
+    foot = mark(at + ca.mtimes(R, n("place")))
+    omega = mark(x["omega"] + ca.mtimes(R, w))  # base axes
+    relative = ca.mtimes(R, speed + cross(w, n("place")))
+    turned = mark(relative + cross(x["omega"], foot))  # of the foot, but for the base's velocity
+    place = x["position"] + ca.mtimes(R_world_base, foot)
+    arms = [
+        mark(ca.mtimes(R, n("balls")[3 * k : 3 * k + 3])) for k in range(kind.corners)
+    ]  # from the foot's frame
+    up = R_world_base[2, :].T
+    found = {
+        "foot": place,
+        "velocity": x["velocity"] + ca.mtimes(R_world_base, turned),
+        "balls": ca.vertcat(*(place + ca.mtimes(R_world_base, arm) for arm in arms)),
+        "rises": ca.vertcat(
+            *(x["velocity"][2] + ca.dot(up, turned + cross(omega, arm)) for arm in arms)
+        ),
+        "knee_height": ca.SX(0, 1),
+        "shank": foot,
+    }
+    if kind.corners > 1:
+        axes = ca.reshape(n("axes"), 3, 3)
+        found["sole"] = ca.vec(ca.mtimes(R_world_base, mark(ca.mtimes(R, axes))))
+        found["omega"] = ca.mtimes(R_world_base, omega)
+    if knee is not None:
+        found["knee_height"] = x["position"][2] + ca.dot(up, knee)
+        found["shank"] = ca.vertcat(foot, (foot + knee) / 2)
+    outputs = pose_outputs(kind)
+    assert {name: found[name].numel() for name in outputs} == outputs
+    return Derived("leg_pose", v, n.all, ca.vertcat(*(found[n] for n in outputs)), mark)

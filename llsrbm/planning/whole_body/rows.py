@@ -1,0 +1,172 @@
+"""Cost and rows of a knot and of the interval after it, of what its functions gave.
+
+Dynamics are inverse: accelerations and contact forces are controls, torques follow, and the six
+rows of the base, which no drive pushes, have to be zero at the nodes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import casadi as ca
+
+from llsrbm.mechanics import INSCRIBED
+from llsrbm.ocp.horizon import Row
+from llsrbm.planning.whole_body import costs, legs
+from llsrbm.planning.whole_body.chain import split
+from llsrbm.planning.whole_body.grid import Knot
+from llsrbm.planning.whole_body.interval import turned
+from llsrbm.planning.whole_body.sizes import EQUALITIES, NODES, WEIGHTS, Sizes, line
+
+MOMENT_ARM = 0.2  # m: moments count as forces with that arm
+DRIVE_SLOPE = 0.3  # share of the speed limit over which the torque falls to zero
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A stage's quantities as symbols, and what it makes of them.
+
+    Attributes:
+        state: name -> symbols, SI units; forces in `nodes` are in units of `Sizes.unit_force`.
+        nodes: of each node name -> controls; none at the end.
+        middle: name -> symbols of the state in the middle; later: joint velocities at the end.
+        legs, legs_in_middle: what `leg_pose` gave of each leg.
+        efforts: of each node, what `trunk_effort` and each limb's `limb_effort` gave.
+        numbers: name -> the stage's parameters: `Sizes.robot` and `Sizes.own`.
+    """
+
+    knot: Knot
+    sizes: Sizes
+    state: Mapping[str, Any]
+    nodes: tuple[Mapping[str, Any], ...]
+    middle: Mapping[str, Any]
+    later: Any
+    legs: tuple[Any, ...]
+    legs_in_middle: tuple[Any, ...]
+    efforts: tuple[tuple[Any, ...], ...]
+    numbers: Mapping[str, Any]
+
+    @cached_property
+    def weight(self) -> dict[str, Any]:
+        """Of costs, by their names."""
+        return dict(zip(WEIGHTS, ca.vertsplit(self.numbers["weights"]), strict=True))
+
+    def cost(self) -> Any:
+        """The stage's cost."""
+        found = costs.of_knot(self.state, self.numbers, self.weight, self.sizes)
+        if self.knot.first:
+            found += costs.of_durations(self.state["durations"], self.weight)
+        if self.nodes:
+            standing = len(self.knot.standing)
+            found += costs.of_interval(self.nodes, self.loads, standing, self.weight, self.sizes)
+        return costs.SCALE * found
+
+    def rows(self) -> tuple[Row, ...]:
+        """The stage's rows, in the order of `Sizes.rows` and `Sizes.interval_rows`."""
+        found = self._knot_rows()
+        expected = list(self.sizes.rows(self.knot).items())
+        if self.nodes:
+            found += self._interval_rows()
+            expected += [(name, size) for name, _, size in self.sizes.interval_rows(self.knot)]
+        assert [(name, values.numel()) for name, values in found] == expected
+        return tuple(Row(values, name in EQUALITIES) for name, values in found)
+
+    @cached_property
+    def loads(self) -> list[Any]:
+        """(J,) torques at each node, as shares of the drives'."""
+        found = []
+        for _, *limbs in self.efforts:
+            torque = ca.SX(self.sizes.joints, 1)
+            for effort, joints in zip(limbs, self.sizes.limb_joints, strict=True):
+                torque[list(joints)] = effort[6:]
+            found.append(torque / self.numbers["torque_limit"])
+        return found
+
+    def _knot_rows(self) -> list[tuple[str, Any]]:
+        near, x = self.numbers, self.state
+        if self.knot.first:
+            off = [x[name] - near[name] for name in self.sizes.moving]
+            return [("start", ca.vertcat(*off)), ("durations", x["durations"])]
+        found = self._of_posture(x, self.legs, self.knot.resting, "apart")
+        goal = [x["position"] - near["position"], turned(x["quat"], near["quat"])]
+        goal += [x[name] - near[name] for name in ("velocity", "omega")]
+        found["goal"] = ca.vertcat(*goal)
+        return [(name, found[name]) for name in self.sizes.rows(self.knot)]
+
+    def _interval_rows(self) -> list[tuple[str, Any]]:
+        torque_share, speed_share, mu = ca.vertsplit(self.numbers["limits"])
+        standing = self.knot.standing
+        middle = self._of_posture(self.middle, self.legs_in_middle, standing, "apart_in_middle")
+        speeds = {0.0: self.state, 0.5: self.middle, 1.0: {"joint_velocity": self.later}}
+        found: list[tuple[str, Any]] = []
+        for name, share, _ in self.sizes.interval_rows(self.knot):
+            at = [float(w) for w in line(share)[0]]
+            load = sum(w * values for w, values in zip(at, self.loads, strict=True))
+            if name == "dynamics":
+                found.append((name, self._balance(NODES.index(share))))
+            elif name == "torque":
+                found.append((name, load))
+            elif name == "drive":
+                speed = speeds[share]["joint_velocity"] / self.numbers["speed_limit"]
+                found.append((name, DRIVE_SLOPE * load / torque_share + speed / speed_share))
+            elif name == "friction":
+                force = sum(w * node["force"] for w, node in zip(at, self.nodes, strict=True))
+                found.append((name, _pyramid(force, mu * INSCRIBED)))
+            else:
+                found.append((name, middle[name]))
+        return found
+
+    def _balance(self, node: int) -> Any:
+        """(6,) force and moment that the base lacks, as shares of the weight."""
+        total = sum(effort[:6] for effort in self.efforts[node])
+        return ca.vertcat(total[:3], total[3:] / MOMENT_ARM) / self.numbers["weight"]
+
+    def _ground(self, leg: int) -> legs.Ground:
+        place, heading, towards = (self.numbers[n] for n in ("place", "heading", "towards"))
+        pair = slice(2 * leg, 2 * leg + 2)
+        return legs.Ground(place[3 * leg : 3 * leg + 3], heading[pair], towards[pair])
+
+    def _legs(self, poses: tuple[Any, ...]) -> list[legs.Leg]:
+        found = []
+        for i, pose in enumerate(poses):
+            kind = self.sizes.limbs[i]
+            radius = split(self.numbers[f"limb {i}"], kind.numbers)["radius"]
+            found.append(legs.Leg.of(kind, pose, radius))
+        return found
+
+    def _of_posture(
+        self, x: Mapping[str, Any], poses: tuple[Any, ...], standing: tuple[int, ...], apart: str
+    ) -> dict[str, Any]:
+        """Rows of a pose in which these legs stand; `apart`: the parameters of distances."""
+        found = self._legs(poses)
+        grounds = [self._ground(leg) for leg in range(self.sizes.legs)]
+        stand = [(found[i], grounds[i]) for i in standing]
+        swing = [(found[i], grounds[i]) for i in range(self.sizes.legs) if i not in standing]
+        pairs = self.sizes.pairs_with(standing)
+        shanks = [legs.squared_distances(found[i], found[j]) for i, j in pairs]
+        slopes = ca.reshape(self.numbers[apart], self.sizes.posture, self.sizes.near)
+        place = x["position"], turned(x["quat"], self.numbers["quat"]), x["joint_position"]
+        return {
+            "stop": x["joint_position"],
+            "speed": x["joint_velocity"] / self.numbers["speed_limit"],
+            "rest": ca.vertcat(*(legs.rest(*each) for each in stand)),
+            "landing": ca.vertcat(*(legs.landing(found[i], grounds[i]) for i in self.knot.landing)),
+            "clearance": ca.vertcat(*(legs.heights(leg) for leg, _ in swing)),
+            "edge": ca.vertcat(*(legs.along(*each) for each in swing)),
+            "shanks": ca.vertcat(*(d for each in shanks for d in each)),
+            "knees": ca.vertcat(*(legs.knee_height(*each) for each in stand * self.sizes.knees)),
+            # Distances but for constants, which are in the bounds.
+            "apart": slopes.T @ ca.vertcat(*place),
+        }
+
+
+def _pyramid(force: Any, slope: Any) -> Any:
+    """(4 n, 1) what is left of friction to four sides, of n forces (3 n, 1)."""
+    sides = []
+    for k in range(0, force.numel(), 3):
+        room = slope * force[k + 2]
+        sides += [room - force[k], room + force[k], room - force[k + 1], room + force[k + 1]]
+    return ca.vertcat(*sides)
