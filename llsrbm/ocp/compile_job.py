@@ -103,8 +103,8 @@ def compile_files(target: Path, command: list[str]) -> None:
         made = Path(folder, target.name)
         try:
             run([*command, "-o", made.name, *files, "-lm"], folder)
+            seal(made)  # not once it is loaded: the process would crash as it ends
             ctypes.CDLL(str(made))
-            seal(made)
         except InterruptedError:
             raise
         except OSError as error:

@@ -2,7 +2,8 @@
 
 Nobody waits for a compiler: the solver at hand works at once, and takes the compiled functions when
 it solves next. The C is CasADi's own, a file a stage function, so that a compiler never has all of
-them in memory; one more loops over the stages and puts the results where they belong.
+them in memory, and one for all that are composed, as they call the same functions; one more loops
+over the stages and puts the results where they belong.
 """
 
 from __future__ import annotations
@@ -97,6 +98,7 @@ def c_files(transcription: Transcription) -> dict[str, str]:
 
 def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
     files: dict[str, str] = {}
+    composed: dict[str, ca.Function] = {}
 
     def write(name: str, *functions: ca.Function) -> None:
         go_on()
@@ -106,10 +108,15 @@ def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
         files[f"{name}.c"] = generator.dump()
 
     def mapped_in_c(function: ca.Function, count: int, *arguments: Any) -> list[Any]:
-        write(function.name(), function)
+        if function.is_a("SXFunction"):
+            write(function.name(), function)
+        else:
+            composed[function.name()] = function
         return mapped(_elsewhere(function, scratch), count, *arguments)
 
     functions = transcription.assembled(mapped_in_c)
+    if composed:  # in one file, as they call the same functions
+        write("stages", *composed.values())
     structure = ca.Function("structure", [], [ca.DM(n) for n in transcription.structure.as_lists()])
     write("problem", *functions.values(), structure)
     return files
@@ -121,10 +128,15 @@ def _elsewhere(function: ca.Function, scratch: str) -> ca.Function:
     CasADi's own files of it go into the folder `scratch`.
     """
     name, n_in, n_out = function.name(), function.n_in(), function.n_out()
-    # CasADi has moved both pointers past the arguments before the body begins.
+    # The one that stands for it has no room for what it works with. CasADi has moved both pointers
+    # past the arguments before the body begins.
     body = (
         f"int {name}(const double **, double **, long long *, double *, int);\n"
-        f"return {name}(arg - {n_in}, res - {n_out}, iw, w, mem);"
+        f"const double *args[{function.sz_arg()}]; double *results[{function.sz_res()}];\n"
+        f"long long whole[{function.sz_iw() + 1}]; double work[{function.sz_w() + 1}]; int i;\n"
+        f"for (i = 0; i < {n_in}; ++i) args[i] = arg[i - {n_in}];\n"
+        f"for (i = 0; i < {n_out}; ++i) results[i] = res[i - {n_out}];\n"
+        f"return {name}(args, results, whole, work, mem);"
     )
     names = function.name_in(), function.name_out()
     sparsities = (

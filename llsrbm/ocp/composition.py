@@ -5,8 +5,8 @@ w_k. With D_k = dw_k/dz the chain rule runs over whole functions, and its second
 
     dy_k/dz = J_k D_k,     H = sum_k D_k^T (sum_j ybar_kj d2 f_kj) D_k,
 
-where ybar_k, the slope of the Lagrangian by y_k, comes from the last function to the first. A leg's
-dynamics, called for each leg at each instant, so take the text of one leg, and little time to build.
+where ybar_k, the slope of the Lagrangian by y_k, comes from the last function to the first. So the
+dynamics of a leg, called for each leg at each instant, are written and derived once.
 """
 
 from __future__ import annotations

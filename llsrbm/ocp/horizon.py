@@ -56,7 +56,9 @@ class Run:
 
     family: Hashable  # equal for runs with the same expressions
     count: int  # number of stages
-    build: Callable[[], StageExpressions | Composed]  # their expressions; called once for all runs of a family
+    build: Callable[
+        [], StageExpressions | Composed
+    ]  # their expressions; called once for all runs of a family
     # Places of the local parameters in the shared ones, in their order.
     local: tuple[slice, ...] = ()
     # Of each stage, the place of the last of its local parameters, which it has for itself; ()

@@ -55,8 +55,9 @@ def make_stage_functions(
     name: str, stage: StageExpressions | Composed, initial: bool
 ) -> StageFunctions:
     """Differentiate one stage; `name` begins its functions' names; `initial`: it is the first."""
-    of = _of_composed if isinstance(stage, Composed) else _of_expressions
-    return of(name, stage, initial)
+    if isinstance(stage, Composed):
+        return _of_composed(name, stage, initial)
+    return _of_expressions(name, stage, initial)
 
 
 def _of_expressions(name: str, stage: StageExpressions, initial: bool) -> StageFunctions:

@@ -23,6 +23,7 @@ class Numbered:
             at += size
 
     def __call__(self, name: str, joint: int | None = None) -> Any:
+        """Numbers of that name, of a joint's those of its place in the chain."""
         return self._at[name if joint is None else f"{name} {joint}"]
 
 

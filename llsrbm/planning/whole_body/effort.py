@@ -1,4 +1,4 @@
-"""What a motion of the trunk, and of a limb, needs: Newton's and Euler's equations, derived once."""
+"""Forces and torques of a motion: Newton's and Euler's equations of the trunk and of a limb."""
 
 from __future__ import annotations
 

@@ -25,7 +25,11 @@ from llsrbm.robots.urdf import BASE_JOINT
 Array = NDArray[np.float64]
 
 ALIGNED = 1e-9  # of an axis: components below it are none
-LINK = {"mass": 1, "moment": 3, "inertia": 6}  # about its joint: kg, kg m, kg m2 (xx xy xz yy yz zz)
+LINK = {
+    "mass": 1,
+    "moment": 3,
+    "inertia": 6,
+}  # about its joint: kg, kg m, kg m2 (xx xy xz yy yz zz)
 JOINT = {"axis": 3, "arm": 3, "armature": 1, "friction": 1, "damping": 1, "width": 1}
 
 
@@ -62,7 +66,7 @@ class LimbKind:
     @property
     def numbers(self) -> dict[str, int]:
         """Name -> number of its numbers, in order: joint after joint, then the foot."""
-        found = {}
+        found: dict[str, int] = {}
         for i in range(len(self.joints)):
             found |= {f"{name} {i}": size for name, size in (JOINT | LINK).items()}
         return found | self.of_foot
@@ -147,5 +151,3 @@ def _of_link(inertia: Any, R: Array) -> Array:
     about = inertia.mass * (com @ com * np.eye(3) - np.outer(com, com))
     about += R @ inertia.inertia @ R.T
     return np.concatenate([[inertia.mass], inertia.mass * com, about[np.triu_indices(3)]])
-
-

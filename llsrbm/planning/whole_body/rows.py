@@ -33,7 +33,7 @@ class Stage:
         state: name -> symbols, SI units; forces in `nodes` are in units of `Sizes.unit_force`.
         nodes: of each node name -> controls; none at the end.
         middle: name -> symbols of the state in the middle; later: joint velocities at the end.
-        legs, legs_in_middle: what `leg_pose` gave of each leg.
+        poses, poses_in_middle: what `leg_pose` gave of each leg.
         efforts: of each node, what `trunk_effort` and each limb's `limb_effort` gave.
         numbers: name -> the stage's parameters: `Sizes.robot` and `Sizes.own`.
     """
@@ -44,8 +44,8 @@ class Stage:
     nodes: tuple[Mapping[str, Any], ...]
     middle: Mapping[str, Any]
     later: Any
-    legs: tuple[Any, ...]
-    legs_in_middle: tuple[Any, ...]
+    poses: tuple[Any, ...]
+    poses_in_middle: tuple[Any, ...]
     efforts: tuple[tuple[Any, ...], ...]
     numbers: Mapping[str, Any]
 
@@ -90,7 +90,7 @@ class Stage:
         if self.knot.first:
             off = [x[name] - near[name] for name in self.sizes.moving]
             return [("start", ca.vertcat(*off)), ("durations", x["durations"])]
-        found = self._of_posture(x, self.legs, self.knot.resting, "apart")
+        found = self._of_posture(x, self.poses, self.knot.resting, "apart")
         goal = [x["position"] - near["position"], turned(x["quat"], near["quat"])]
         goal += [x[name] - near[name] for name in ("velocity", "omega")]
         found["goal"] = ca.vertcat(*goal)
@@ -99,7 +99,7 @@ class Stage:
     def _interval_rows(self) -> list[tuple[str, Any]]:
         torque_share, speed_share, mu = ca.vertsplit(self.numbers["limits"])
         standing = self.knot.standing
-        middle = self._of_posture(self.middle, self.legs_in_middle, standing, "apart_in_middle")
+        middle = self._of_posture(self.middle, self.poses_in_middle, standing, "apart_in_middle")
         speeds = {0.0: self.state, 0.5: self.middle, 1.0: {"joint_velocity": self.later}}
         found: list[tuple[str, Any]] = []
         for name, share, _ in self.sizes.interval_rows(self.knot):

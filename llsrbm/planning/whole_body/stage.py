@@ -182,9 +182,7 @@ def _counts(values: Any, variables: Any) -> NDArray[np.bool_]:
     return np.diff(pattern.colind()) > 0
 
 
-def _symbols(
-    knot: Knot, sizes: Sizes, widths: dict[str, int]
-) -> tuple[dict[str, Any], Any, Stage]:
+def _symbols(knot: Knot, sizes: Sizes, widths: dict[str, int]) -> tuple[dict[str, Any], Any, Stage]:
     """Symbols of parts with these names and sizes, of the parameters, and the stage of them."""
     part = {name: ca.SX.sym(name, size) for name, size in widths.items()}
     n = ca.SX.sym("n", sum(sizes.robot.values()) + sum(sizes.own.values()))
@@ -204,8 +202,8 @@ def _symbols(
         nodes=tuple(nodes),
         middle={} if knot.last else split(part["middle"], sizes.moving),
         later=None if knot.last else split(part["later"], sizes.moving)["joint_velocity"],
-        legs=() if knot.first else tuple(part[f"leg {i}"] for i in legs),
-        legs_in_middle=() if knot.last else tuple(part[f"middle leg {i}"] for i in legs),
+        poses=() if knot.first else tuple(part[f"leg {i}"] for i in legs),
+        poses_in_middle=() if knot.last else tuple(part[f"middle leg {i}"] for i in legs),
         efforts=tuple(tuple(part[f"effort {k} {i}"] for i in limbs) for k in range(len(nodes))),
         numbers=numbers,
     )

@@ -6,37 +6,24 @@ import pinocchio as pin
 import pytest
 
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.mechanics import rotation_matrices
-from llsrbm.models.rigid_bodies import RigidBodies
 from llsrbm.planning.whole_body import legs
-from llsrbm.planning.whole_body.interval import Pose
+from llsrbm.planning.whole_body.leg_pose import leg_pose
+from llsrbm.planning.whole_body.limbs import limbs_of
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
-
-
-def moving(robot, seed):
-    """A random posture and its rates, as a state and in Pinocchio's convention."""
-    rng = np.random.default_rng(seed)
-    quat = rng.normal(size=4)
-    quat /= np.linalg.norm(quat)
-    joints = robot.posture[7:] + 0.3 * rng.normal(size=robot.model.nv - 6)
-    state = {
-        "position": rng.normal(size=3),
-        "quat": quat,
-        "joint_position": joints,
-        "velocity": rng.normal(size=3),
-        "omega": rng.normal(size=3),
-        "joint_velocity": rng.normal(size=len(joints)),
-    }
-    q = np.concatenate([state["position"], quat[[1, 2, 3, 0]], joints])
-    in_base = rotation_matrices(quat).T @ state["velocity"]
-    return state, q, np.concatenate([in_base, state["omega"], state["joint_velocity"]])
+from tests.llsrbm.planning.whole_body.moving import moving
 
 
 def seen(robot, state):
     """Legs as numbers."""
-    pose = Pose.of({name: ca.SX(ca.DM(values)) for name, values in state.items()}, lambda x: x)
-    found = legs.legs_of(RigidBodies(robot), pose, lambda x: x)
+    found = []
+    for limb in limbs_of(robot)[: len(robot.legs)]:
+        own = list(limb.joints)
+        base = [state[name] for name in ("position", "quat", "velocity", "omega")]
+        joints = [state[name][own] for name in ("joint_position", "joint_velocity")]
+        pose = leg_pose(limb.kind).value(np.concatenate([*base, *joints]), limb.numbers)
+        radius = foot_contacts(robot)[0].radius
+        found.append(legs.Leg.of(limb.kind, ca.SX(pose), radius))
     return found, lambda x: np.array(ca.evalf(ca.SX(x))).squeeze()
 
 
