@@ -33,7 +33,7 @@ from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.peak_loads import torque_share
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.whole_body.motion import Motion
-from llsrbm.planning.whole_body.refine import refined, refiner_of
+from llsrbm.planning.whole_body.refine import refiner_of
 from llsrbm.request.jump_types import with_defaults
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.torques import torque_in_direction
@@ -61,7 +61,7 @@ def one(
     if settle:
         refiner.solver.settle()
     built = time.process_time()
-    second = refined(first)
+    second = refiner.refine(first)
     processor = (time.process_time() - built) / (planned - begun)
     report = second.refinement
     assert report is not None

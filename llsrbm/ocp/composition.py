@@ -108,7 +108,7 @@ class Composition:
         return Part(0, 0, int(self.variables.shape[0]))
 
     def __call__(self, function: Derived, inputs: Sequence[Part], numbers: Any) -> Part:
-        """What a function gives of parts, one after the other, and of numbers."""
+        """The outputs of a function, given parts, one after the other, and numbers."""
         assert sum(part.size for part in inputs) == function.width, function.name
         self.calls.append(_Call(function, tuple(inputs), numbers))
         return Part(len(self.calls), 0, function.height)

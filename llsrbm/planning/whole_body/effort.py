@@ -53,7 +53,7 @@ def trunk_effort() -> Derived:
 
 
 def effort_inputs(kind: LimbKind) -> dict[str, int]:
-    """What `limb_effort` depends on: the base's motion, the joints', forces on contact points."""
+    """Inputs of `limb_effort`: motion of the base and of the joints, forces on contact points."""
     joints = len(kind.joints)
     moves = {"joint_position": joints, "joint_velocity": joints, "joint_acceleration": joints}
     return BODY | moves | {"force": 3 * kind.corners}

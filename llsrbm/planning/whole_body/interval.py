@@ -20,8 +20,8 @@ JOINTS = ("joint_position", "joint_velocity", "joint_acceleration")
 
 @lru_cache(maxsize=32)
 def pose_at(joints: int, share: float) -> Derived:
-    """What moves, at a share of an interval: of what moves at its start, the accelerations at one
-    node after the other, and the step, s.
+    """The moving part of the state at a share of an interval, as a function of it at the start, of
+    the accelerations at one node after the other, and of the step, s.
     """
     state, rates = moving(joints), accelerations(joints)
     controls = {f"{name} {k}": n for k in range(len(NODES)) for name, n in rates.items()}

@@ -15,14 +15,14 @@ from llsrbm.planning.whole_body.limbs import LimbKind
 
 
 def pose_inputs(kind: LimbKind) -> dict[str, int]:
-    """What `leg_pose` depends on."""
+    """Inputs of `leg_pose`."""
     joints = len(kind.joints)
     base = {"position": 3, "quat": 4, "velocity": 3, "omega": 3}
     return base | {"joint_position": joints, "joint_velocity": joints}
 
 
 def pose_outputs(kind: LimbKind) -> dict[str, int]:
-    """What `leg_pose` gives, world axes: the foot's place, velocity and (of soles) axes and rate;
+    """Outputs of `leg_pose`, world axes: the foot's place, velocity and (of soles) axes and rate;
     the middles of its balls and how fast they rise; the knee's height; in base axes from the base's
     origin, the foot, and the middle of the shank.
     """

@@ -47,7 +47,7 @@ class Leg:
 
     @classmethod
     def of(cls, kind: LimbKind, pose: Any, radius: Any) -> Leg:
-        """What `leg_pose` gave, with the radius of its balls, m."""
+        """A leg by the outputs of `leg_pose`, with the radius of its balls, m."""
         at = split(pose, pose_outputs(kind))
         soles = kind.corners > 1
         return cls(

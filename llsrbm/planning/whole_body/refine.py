@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from llsrbm.motion.plan import Plan, Refinement
@@ -26,6 +27,7 @@ from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
 
+_DIGITS = 8  # of what tells kinds of robots apart in names of files
 SOLVED, FAILED = "solved", "not-converged"
 
 
@@ -35,8 +37,7 @@ class Refiner:
     def __init__(self, robot: Robot, grid: Grid) -> None:
         """Load the solver from the cache, or build and keep it."""
         self.robot, self.grid = robot, grid
-        self.solver: Solver = cached_solver(Fatrop, _subject(robot, grid))
-        self.solvers = (self.solver,)
+        self.solver = _solver(robot, grid)
         self.last: Motion | None = None  # of the last plan, for studies
 
     def refine(
@@ -101,16 +102,33 @@ def refined(
 def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
     """The whole-body problem of plans like this one, built once and kept; `robot`: of `refined`."""
     robot = robot or load_robot(plan.jump.robot)
-    own = robot.turning if plan.jump.turns else robot, Grid.of(plan)
-    return kept((Refiner, *own), partial(Refiner, *own))
+    return Refiner(robot.turning if plan.jump.turns else robot, Grid.of(plan))
 
 
-def _subject(robot: Robot, grid: Grid) -> Subject:
-    sizes = Sizes.of(robot, len(grid.phases))
+def _subject(robot: Robot, sizes: Sizes, grid: Grid) -> Subject:
+    """The problem of all robots of these sizes."""
+    numbers = repr((replace(sizes, weight=0.0), grid))
+    kind = hashlib.sha256(repr(replace(sizes, weight=0.0)).encode()).hexdigest()[:_DIGITS]
     return Subject(
-        of=f"{robot.name}-whole-body",
+        of=f"whole-body-{sizes.legs}-legs-{sizes.joints}-joints-{kind}",
         variant=grid.name,
-        title=f"whole-body solver of {robot.name}",
-        numbers=repr((replace(sizes, weight=0.0), grid)),
+        title=f"whole-body solver of robots that are built like {robot.name}",
+        numbers=numbers,
         horizon=lambda: make_horizon(sizes, grid),
     )
+
+
+@dataclass(frozen=True)
+class _Solves:
+    """A solver, for all robots of the same sizes."""
+
+    solvers: tuple[Solver]
+
+
+def _solver(robot: Robot, grid: Grid) -> Solver:
+    sizes = Sizes.of(robot, len(grid.phases))
+
+    def make() -> _Solves:
+        return _Solves((cached_solver(Fatrop, _subject(robot, sizes, grid)),))
+
+    return kept((_Solves, sizes, grid), make).solvers[0]

@@ -51,7 +51,7 @@ class Stage:
 
     @cached_property
     def weight(self) -> dict[str, Any]:
-        """Of costs, by their names."""
+        """Each cost's weight."""
         return dict(zip(WEIGHTS, ca.vertsplit(self.numbers["weights"]), strict=True))
 
     def cost(self) -> Any:

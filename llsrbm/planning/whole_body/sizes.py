@@ -252,7 +252,7 @@ def moving(joints: int) -> dict[str, int]:
 
 
 def accelerations(joints: int) -> dict[str, int]:
-    """Of what moves."""
+    """Accelerations of the base, in the world, of its rate, in its axes, and of the joints."""
     return {"acceleration": 3, "omega_rate": 3, "joint_acceleration": joints}
 
 

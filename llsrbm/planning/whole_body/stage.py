@@ -43,7 +43,7 @@ class _Builder:
         self.nodes = list(self._nodes())
 
     def _unit(self) -> Any:
-        """What one of each variable is in SI units."""
+        """(n, 1) MX: one unit of each variable, in SI units."""
         sizes = self.sizes
         found = [ca.DM(units(sizes.state, 1.0))]
         force = self.numbers["weight"] / (sizes.legs * sizes.corners)
