@@ -1,9 +1,9 @@
 """A robot's limbs in numbers, and the kind of chain that each is.
 
 A limb is a chain of joints on the trunk. Its masses and lengths are numbers, and the kind of chain
-alone decides the expressions (`chain`): so a function is derived once for all legs of a kind, of all
-robots that have such legs. Links have the base's axes where all joints are at zero, so that no
-rotation of the URDF is left in the expressions.
+alone decides the expressions (`chain`): so a function is derived once for all legs of a kind, and
+for all robots that have such legs. Links have the base's axes where all joints are at zero, so that
+no rotation of the URDF is left in the expressions.
 """
 
 from __future__ import annotations
