@@ -62,7 +62,7 @@ def spec(
 
 def command(sweep: str | Path, out: Path, *more: str) -> list[str]:
     return [
-        *(sys.executable, "-m", "llsrbm.cli", "sweep", str(sweep)),
+        *(sys.executable, "-m", "llsrbm.cli", "sweep", "--draft", str(sweep)),
         *("--out", str(out), "--json", *more),
     ]
 

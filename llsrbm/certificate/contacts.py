@@ -104,7 +104,8 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
     model, data = motion.model, motion.model.createData()
     contacts, is_point = foot_contacts(motion.robot), motion.robot.file.foot.is_point
     places = np.empty((len(motion.time), len(contacts), *contacts[0].centres.shape))
-    velocities = np.empty_like(places)
+    arms = np.empty_like(places)
+    linear, angular = np.empty((2, *places.shape[:2], 1, 3))
     world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     for k, (q, v) in enumerate(zip(motion.q, motion.v, strict=True)):
         pin.forwardKinematics(model, data, q, v)
@@ -116,9 +117,9 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
             if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
                 places[k, i, :, :2] = frame.translation[:2]
             twist = pin.getFrameVelocity(model, data, leg.foot_frame_id, world)
-            arm = centres - frame.translation - [0.0, 0.0, contact.radius]
-            velocities[k, i] = twist.linear + np.cross(twist.angular, arm)
-    return places, velocities
+            arms[k, i] = centres - frame.translation - [0.0, 0.0, contact.radius]
+            linear[k, i], angular[k, i] = twist.linear, twist.angular
+    return places, linear + np.cross(angular, arms)
 
 
 def _stances(stands: NDArray[np.bool_]) -> list[tuple[int, int]]:

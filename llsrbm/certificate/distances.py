@@ -6,6 +6,7 @@ Shapes are those of the URDF's collision geometry, distances coal's.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import ClassVar
 
 import coal
@@ -79,38 +80,66 @@ def _around(motion: SampledMotion) -> Surroundings | None:
 
 def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[Array, list[str]]:
     """(K,) m, the least distance at each instant, and what is that near to what."""
-    shapes = link_shapes(motion.robot)
-    legs = [_leg_of(motion.robot, shape) for shape in shapes]
-    bodies = around.solids
+    shapes, bodies = link_shapes(motion.robot), around.solids
     geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(_turn(block.yaw), block.centre) for block in bodies]
-    spheres = [_sphere(geometry) for geometry in geometries]
-    model, data = motion.model, motion.model.createData()
-    least, names = np.full(len(motion.time), np.inf), [""] * len(motion.time)
+    rotation, centre = _placed(motion, shapes)
+    bound = _at_least(motion, around, shapes, geometries, rotation, centre)
+    instants = len(motion.time)
+    least, names = np.full(instants, np.inf), [""] * instants
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    for k, (time, q) in enumerate(zip(motion.time, motion.q, strict=True)):
-        pin.forwardKinematics(model, data, q)
-        for shape, leg, geometry, (middle, radius) in zip(
-            shapes, legs, geometries, spheres, strict=True
-        ):
-            if leg is not None and motion.contact[k, leg]:
-                continue
-            joint = data.oMi[shape.joint]
-            rotation = joint.rotation @ shape.rotation
-            centre = joint.act(shape.centre)
-            at = rotation @ middle + centre
-            for block, box, place in zip(bodies, boxes, places, strict=True):
-                if not block.from_s <= time < block.until_s:
-                    continue
-                if _from_box(block, place, at) - radius >= least[k]:
-                    continue
-                result.clear()
-                here = coal.Transform3s(rotation, centre)
-                distance = float(coal.distance(geometry, here, box, place, request, result))
-                if distance < least[k]:
-                    least[k], names[k] = distance, f"{shape.link} - {block.name}"
+    nearest_first = bound.reshape(instants, -1).argsort(axis=1)
+    for k, pairs in enumerate(nearest_first):
+        for s, b in zip(*np.unravel_index(pairs, bound.shape[1:]), strict=True):
+            if bound[k, s, b] >= least[k]:
+                break
+            result.clear()
+            here = coal.Transform3s(rotation[k, s], centre[k, s])
+            of = geometries[s], here, boxes[b], places[b]
+            distance = float(coal.distance(*of, request, result))
+            if distance < least[k]:
+                least[k], names[k] = distance, f"{shapes[s].link} - {bodies[b].name}"
     return least, names
+
+
+def _placed(motion: SampledMotion, shapes: Sequence[Shape]) -> tuple[Array, Array]:
+    """(K, S, 3, 3), (K, S, 3) m: turn and centre of each shape at each instant."""
+    model, data = motion.model, motion.model.createData()
+    joints = len(data.oMi)
+    turn, at = np.empty((len(motion.time), joints, 3, 3)), np.empty((len(motion.time), joints, 3))
+    for k, q in enumerate(motion.q):
+        pin.forwardKinematics(model, data, q)
+        for j, joint in enumerate(data.oMi):
+            turn[k, j], at[k, j] = joint.rotation, joint.translation
+    of = [shape.joint for shape in shapes]
+    turn, at = turn[:, of], at[:, of]
+    centres = np.array([shape.centre for shape in shapes])
+    rotation = turn @ np.array([shape.rotation for shape in shapes])
+    return rotation, at + np.einsum("ksij,sj->ksi", turn, centres)
+
+
+def _at_least(
+    motion: SampledMotion,
+    around: Surroundings,
+    shapes: Sequence[Shape],
+    geometries: Sequence[coal.ShapeBase],
+    rotation: Array,
+    centre: Array,
+) -> Array:
+    """(K, S, B) m, no more than a shape's distance from a body; inf where it does not count."""
+    middles, radii = zip(*map(_sphere, geometries), strict=True)
+    at = centre + np.einsum("ksij,sj->ksi", rotation, np.array(middles))
+    bound = np.stack([_from_box(block, at) for block in around.solids], axis=-1)
+    bound -= np.array(radii)[:, None]
+    for b, block in enumerate(around.solids):
+        there = (block.from_s <= motion.time) & (motion.time < block.until_s)
+        bound[~there, :, b] = np.inf
+    for s, shape in enumerate(shapes):
+        leg = _leg_of(motion.robot, shape)
+        if leg is not None:
+            bound[motion.contact[:, leg], s] = np.inf
+    return bound
 
 
 def _leg_of(robot: Robot, shape: Shape) -> int | None:
@@ -130,8 +159,8 @@ def _sphere(geometry: coal.ShapeBase) -> tuple[Array, float]:
     return np.array(geometry.aabb_center), float(geometry.aabb_radius)
 
 
-def _from_box(block: Block, place: coal.Transform3s, point: Array) -> float:
-    """Distance of a point from a box, m; negative inside, by the nearest face."""
-    beyond = np.abs(place.getRotation().T @ (point - block.centre)) - block.size / 2
-    outside = float(np.linalg.norm(np.maximum(beyond, 0.0)))
-    return outside + min(float(beyond.max()), 0.0)
+def _from_box(block: Block, points: Array) -> Array:
+    """(...) distance of points (..., 3) from a box, m; negative inside, by the nearest face."""
+    beyond = np.abs((points - block.centre) @ _turn(block.yaw)) - np.asarray(block.size) / 2
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
+    return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))

@@ -80,12 +80,13 @@ def simulate_command(
 def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario, *, draft: bool) -> Plan:
     """Plan a jump that will be followed in a scenario."""
     import llsrbm
+    from llsrbm.analysis.wording import draft_reason
     from llsrbm.robots import load_robot
     from llsrbm.simulation.checks import check_scenario
 
     # What is wrong shall not come out after seconds of planning.
     check_scenario(scenario, load_robot(jump.robot))
-    return llsrbm.plan(
+    plan = llsrbm.plan(
         jump,
         solver=solver,
         weights=tuning.weights,
@@ -93,6 +94,9 @@ def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario, *, dra
         draft=draft,
         progress=console.show_planning,
     )
+    if not plan.certified and not draft:
+        console.print_remarks([f"the plan is a draft: {draft_reason(plan)}"])
+    return plan
 
 
 def _read_plan(file: Path) -> Plan:

@@ -60,6 +60,16 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
     assert scenario == Scenario()
 
 
+@pytest.mark.parametrize(("words", "said"), [((), True), (("--draft",), False)])
+def test_a_draft_that_was_not_asked_for_is_told(planner, simulator, capsys, words, said):
+    planner.answers.append(synthetic_plan())
+    simulator.answers.append(synthetic_rollout())
+    assert cli.main(["simulate", *words]) == 0
+    assert planner.requests[0][1]["draft"] is bool(words)
+    remark = "llsrbm: the plan is a draft: its drives were looked at in knots only\n"
+    assert (remark in capsys.readouterr().err) is said
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -168,7 +168,9 @@ def test_a_plan_beyond_its_certificate(name):
     if name == "go2":
         plan = replace(plan, contact_force=3 * plan.contact_force)
     for tier in TIERS.values():
-        with pytest.raises(InputError, match=r"certificate does not hold: \w+ .* tier .*refine"):
+        with pytest.raises(
+            InputError, match=r"certificate does not hold: \w+ .* tier .*`llsrbm plan`"
+        ):
             check_plan(plan, robot, tier)
 
 
