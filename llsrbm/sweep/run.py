@@ -39,6 +39,7 @@ LARGE = 10**6
 
 # s a jump on one core, mean of the three robots, failures included; diagnoses spread over all.
 _PLAN_TIME, _SIMULATION_TIME, _DIAGNOSIS_TIME = 0.5, 1.1, 3.0
+_WHOLE_BODY_TIME = 2.3  # s likewise, with the certificate: Go2 and ANYmal, interpreted
 # bytes; Parquet packs rows of planned jumps to this, and motions hardly at all.
 _BYTES_A_ROW, _BYTES_A_MOTION = 500, 50_000
 
@@ -73,7 +74,8 @@ class Estimate:
 def estimate(points: Points) -> Estimate:
     """Time and disk of a whole sweep."""
     spec = points.spec
-    seconds = points.count * (_PLAN_TIME + spec.diagnose * _DIAGNOSIS_TIME)
+    a_jump = _PLAN_TIME + spec.diagnose * _DIAGNOSIS_TIME
+    seconds = points.count * (a_jump + (not spec.draft) * _WHOLE_BODY_TIME)
     seconds += points.rows * spec.simulated * _SIMULATION_TIME
     size = points.rows * _BYTES_A_ROW + points.count * spec.trajectories * _BYTES_A_MOTION
     return Estimate(points.count, points.rows, seconds, size)
