@@ -92,7 +92,7 @@ class LibraryPlanner:
         solver = tasks.solver_of(task.plan.jump)
         if solver not in self._refined:
             progress(
-                f"building the whole-body solver of {task.plan.jump.robot}: half a minute, the "
+                f"building the whole-body solver of {task.plan.jump.robot}: some seconds, the "
                 "first time"
             )
             self._refined.add(solver)

@@ -122,7 +122,8 @@ def _solver(plan: Plan) -> str:
 def _refinement(of: Refinement) -> str:
     effort = f"{counted(of.iterations, 'iteration')}, {_ms(of.solve_time_s)}"
     if of.status != "solved":
-        return f"not found ({effort}): this is the draft"
+        how = f"not found ({effort})" if of.iterations else "not looked for"
+        return f"{how}: this is the draft"
     building = f", {of.build_time_s:.1f} s to build the solver" if of.build_time_s > 0.1 else ""
     compiling = ", still being compiled" if of.compiling else ""
     return f"found in {effort}{building}{compiling}"
@@ -143,6 +144,8 @@ def draft_reason(plan: Plan) -> str:
             return "it was not checked"
         if plan.refinement is None:
             return "its drives were looked at in knots only"
+        if plan.jump.turns:
+            return "the whole body's plan is not looked for where the body turns over"
         return "the whole body's plan was not found"
     unknown = [each for each in found if each.holds is None]
     names = ", ".join(each.name.replace("_", " ") for each in found.broken or unknown)

@@ -28,7 +28,7 @@ from llsrbm.robots.robot import Robot
 _log = logging.getLogger(__name__)
 
 _DIGITS = 8  # of what tells kinds of robots apart in names of files
-SOLVED, FAILED = "solved", "not-converged"
+SOLVED, FAILED, UNTRIED = "solved", "not-converged", "not-tried"
 
 
 class Refiner:
@@ -89,8 +89,13 @@ def refined(
 ) -> Plan:
     """`Refiner.refine` of a plan that converged, by a solver that is built once a process.
 
+    It is not tried where the body turns over.
+
     `robot`: the one that the plan names, with other drives.
     """
+    if plan.jump.turns:
+        # None of Go2's was ever found: drafts' feet come to rest at speeds that no joint has.
+        return replace(plan, refinement=Refinement(UNTRIED, 0, 0.0, 0.0, 0.0, 0.0, compiling=False))
     start = time.perf_counter()
     refiner = interruptible(partial(refiner_of, plan, robot), cancelled)
     built = time.perf_counter() - start
@@ -101,8 +106,7 @@ def refined(
 
 def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
     """The whole-body problem of plans like this one, built once and kept; `robot`: of `refined`."""
-    robot = robot or load_robot(plan.jump.robot)
-    return Refiner(robot.turning if plan.jump.turns else robot, Grid.of(plan))
+    return Refiner(robot or load_robot(plan.jump.robot), Grid.of(plan))
 
 
 def _subject(robot: Robot, sizes: Sizes, grid: Grid) -> Subject:

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.body.efforts import efforts
 from llsrbm.motion.plan import Violation
 from llsrbm.ocp.horizon import Problem, Solution
 from llsrbm.ocp.progress import solving
@@ -26,13 +27,16 @@ from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
-FROM_FAR = SolveOptions(mu=1e-2, iterations=100, push=0.01, acceptable=(5e-3, 4), tolerance=1e-3)
-LOOK = replace(FROM_FAR, iterations=16)  # after so many distances are measured again
+FROM_FAR = SolveOptions(mu=1e-2, iterations=80, push=0.01, acceptable=(5e-3, 4), tolerance=1e-3)
+LOOK = replace(FROM_FAR, iterations=12)  # after so many distances are measured again
 NEARER = replace(FROM_FAR, mu=1e-3)
-NEAR = replace(FROM_FAR, mu=1e-4, iterations=80)
+NEAR = replace(FROM_FAR, mu=1e-4, iterations=60)
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
-BETWEEN = 8  # instants an interval at which a motion's links are looked at
+BETWEEN = 8  # parts of an interval at whose edges a motion is looked at
+# Shares of the weight, and of it at `ARM` (m), that may be missing between the nodes; certificates
+# allow a tenth.
+MISSED, ARM = 0.09, 0.2
 _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m", "durations": "s"}
 
 
@@ -55,6 +59,7 @@ class Rounds:
     motion: Motion | None = None
     start: Start | None = None
     solved: bool = False
+    _missed: float = np.inf  # by that motion, share of the weight
 
     def __post_init__(self) -> None:
         self.sizes = Sizes.of(self.robot, len(self.grid.phases))
@@ -79,11 +84,27 @@ class Rounds:
             start = start.timed(motion.durations, self.grid)
             apart = self._apart(motion, start)
             if hold and apart.holds:
-                self.motion, self.start, self.solved = motion, start, not self._cross(motion)
-                return
-            start = replace(start.beside(motion.state), apart=apart)
-            start = start.nearer() if hold else start
+                if not self._accept(motion, start):
+                    return
+                start = start.straighter()
+            else:
+                start = replace(start.beside(motion.state), apart=apart)
+                start = start.nearer() if hold else start
             options = (NEAR, NEAR) if hold else (NEARER, NEAR)
+
+    def _accept(self, motion: Motion, start: Start) -> bool:
+        """Take a motion if it is the first, or misses less; whether one may miss still less."""
+        interval, part = np.divmod(np.arange((BETWEEN + 1) * self.grid.intervals), BETWEEN + 1)
+        at = motion.within(interval, part / BETWEEN)
+        lacks = efforts(self.robot, at.q, at.v, at.a, at.force)[:, :6] / self.sizes.weight
+        force, moment = (np.linalg.norm(part, axis=1).max() for part in np.split(lacks, 2, axis=1))
+        missed = max(force, moment / ARM)
+        distance, _ = LinkShapes.of(self.robot).nearest(at.q)
+        # Links may pass through each other between the instants at which they are apart.
+        if distance.min() < 0 or missed >= self._missed:
+            return False
+        self.motion, self.start, self.solved, self._missed = motion, start, True, float(missed)
+        return bool(missed > MISSED)
 
     def _hold(
         self, rows: RowBounds, problem: Problem, guess: Array, options: tuple[SolveOptions, ...]
@@ -105,13 +126,6 @@ class Rounds:
     def _apart(self, motion: Motion, start: Start) -> Apart:
         q, quat = motion.at(start.time).q, start.state["quat"]
         return Apart.near(q, start.time, quat, self.robot, start.solids, start.apart)
-
-    def _cross(self, motion: Motion) -> bool:
-        """Whether links pass through each other between the instants at which they are apart."""
-        interval, share = np.divmod(np.arange(BETWEEN * self.grid.intervals), BETWEEN)
-        q = motion.within(interval, share / BETWEEN).q
-        distance, _ = LinkShapes.of(self.robot).nearest(q)
-        return bool(distance.min() < 0)
 
     def _violations(
         self, solution: Solution, problem: Problem, rows: RowBounds

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 # Weight of nearness to the motion of an earlier round, and to first stages of what turns over or
 # clears something, which nothing else tells the way.
 NEAR = 1.0
+STRAIGHTER = 5.0  # times the costs of what is steep, where much is missing between the nodes
 INSIDE = 1e-3  # s, of a duration's bounds
 
 
@@ -95,6 +96,11 @@ class Start:
             if name != "quat":
                 values[1:-1] = state[name][1:-1]
         return replace(self, state=moved)
+
+    def straighter(self) -> Start:
+        """The same with straighter lines of accelerations and forces, which miss less between."""
+        steep = {n: STRAIGHTER * w for n, w in self.weights.items() if n.startswith("steep")}
+        return replace(self, weights={**self.weights, **steep})
 
     def nearer(self) -> Start:
         """The same with a motion that stays near its state."""
