@@ -7,20 +7,22 @@ guess or from the solution of a problem nearby.
 
 An interior-point solver evaluates the Jacobian of all rows and the Hessian of the Lagrangian in
 every iteration. Written as one flat expression of the whole horizon that is slow, and needs a
-compiler (52 MB of C for the robots' problem) to become bearable. Five steps, each on the other:
+compiler (52 MB of C for the robots' problem) to become bearable. Six steps, each on the other:
 
 1. Lifting (`lifting`). A stage's expression is deep. Quantities on the way are marked, and the
    chain rule runs, exactly, over the small sparse blocks between them: of a quadruped's stance the
    Hessian then takes 50,235 instructions instead of 121,890.
-2. Stage functions (`stage_functions`). Stages of one family, such as all the inner ones of a
+2. Composition (`composition`). A stage that calls the same functions again and again, as of each
+   leg, has them derived once; the chain rule then runs over whole functions.
+3. Stage functions (`stage_functions`). Stages of one family, such as all the inner ones of a
    phase, are differentiated once, into functions of one stage's variables that give the non-zeros
    of its own part of the derivatives. Numbers in which they differ are parameters of their own.
-3. Batching (`stage_functions`). Each instruction of CasADi's virtual machine becomes one operation
-   on a vector with an element a stage, and is decoded once.
-4. Transcription (`transcription`). Multiple shooting: a stage's rows hold only its own variables
+4. Batching (`stage_functions`). Each instruction of CasADi's virtual machine becomes one operation
+   on a vector with an element a stage, and is decoded once; not of compositions.
+5. Transcription (`transcription`). Multiple shooting: a stage's rows hold only its own variables
    and, in the gap x_next - F, the identity on the next stage's states. So the problem's derivatives
    are the stages' non-zeros put one behind the other, small enough to be kept on disk as text.
-5. Compilation (`compiled`), where there is a C compiler: a minute for a robot, in the background;
+6. Compilation (`compiled`), where there is a C compiler: a minute for a robot, in the background;
    the numbers are the same.
 
 Fatrop knows this structure (`Structure`) and finds its step by a Riccati recursion over the stages;

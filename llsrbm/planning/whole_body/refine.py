@@ -94,7 +94,7 @@ def refined(
     `robot`: the one that the plan names, with other drives.
     """
     if plan.jump.turns:
-        # None of Go2's was ever found: drafts' feet come to rest at speeds that no joint has.
+        # None of Go2's was ever found: drafts' knees land at twice the speed that they have.
         return replace(plan, refinement=Refinement(UNTRIED, 0, 0.0, 0.0, 0.0, 0.0, compiling=False))
     start = time.perf_counter()
     refiner = interruptible(partial(refiner_of, plan, robot), cancelled)
