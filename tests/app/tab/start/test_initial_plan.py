@@ -22,7 +22,6 @@ from llsrbm.motion.plan import load_plan
 from llsrbm.robots import names
 from tests.app.synthetic_plan import refined_plan, synthetic_plan
 
-
 # Solo12's foot is no ball: as its shank leans at lift-off its mesh is 8 mm in the ground.
 NOT_HELD = {"solo12": ["clearance"]}
 
