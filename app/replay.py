@@ -85,12 +85,12 @@ def _picture(trajectory: Trajectory, rate: float) -> Picture:
     from app.picture.picture import Picture
     from llsrbm.look.shown_motion import surroundings_of
     from llsrbm.look.visuals import link_visuals
+    from llsrbm.motion.robot import robot_of
     from llsrbm.motion.sampling import check_rate
-    from llsrbm.robots import load_robot
 
     check_rate(rate)
     plan, rollout = _plan_and_rollout(trajectory)
-    robot = load_robot(plan.jump.robot)
+    robot = robot_of(plan)
     for coarse in (False, True):
         link_visuals(robot, coarse=coarse)  # in place of the stand-ins that a page begins with
     return Picture(

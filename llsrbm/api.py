@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from llsrbm.certificate import certified
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import names as solver_names
@@ -163,7 +164,7 @@ def simulate(
 
     checks.check_plan(plan)
     scenario = _scenario(scenario, fields)
-    robot = load_robot(plan.jump.robot)
+    robot = robot_of(plan)
     checks.check_robot(plan, robot)
     checks.check_scenario(scenario, robot)
     return run(plan, robot, scenario, cancelled=cancelled, progress=progress, so_far=so_far)

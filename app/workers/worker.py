@@ -241,12 +241,10 @@ def _played(
     task: tasks.SimulateJump, progress: Callable[[float], None], cancelled: Callable[[], bool]
 ) -> Rollout:
     """A plan as the player plays it. Raises `Error`: it stopped before the jump."""
+    from llsrbm.motion.robot import robot_of
     from llsrbm.player.played import play_in
-    from llsrbm.robots import load_robot
 
-    played = play_in(
-        task.plan, load_robot(task.plan.jump.robot), task.scenario, progress, cancelled
-    )
+    played = play_in(task.plan, robot_of(task.plan), task.scenario, progress, cancelled)
     if played.rollout is None:
         raise errors.Error(f"the robot simulator: {played.ended.line}")
     return played.rollout

@@ -27,7 +27,7 @@ from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.errors import Error
 from llsrbm.mechanics import apply, rotation_matrices
 from llsrbm.motion.plan import Plan
-from llsrbm.robots import load_robot
+from llsrbm.motion.robot import robot_of
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -59,7 +59,7 @@ def _model_turn(plan: Plan) -> ModelTurn | None:
     if len(plan.schedule.flights) != 1 or plan.jump.turns or not plan.solved:
         return None
     try:
-        robot = load_robot(plan.jump.robot)
+        robot = robot_of(plan)
     except Error:
         return None
     if plan.joint_names != robot.joint_names or plan.foot_position.shape[1] != len(robot.legs):

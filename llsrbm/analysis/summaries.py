@@ -15,9 +15,9 @@ from llsrbm.certificate.power import DrivePower, PowerForecast
 from llsrbm.errors import InputError, NotConverged, RobotFileError, Stop
 from llsrbm.mechanics import final_yaw
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import json_value
-from llsrbm.robots import load_robot
 from llsrbm.robots.drives.windings import Windings
 
 
@@ -139,7 +139,7 @@ def power_forecast(trajectory: Plan | Rollout) -> PowerForecast:
 def _windings(trajectory: Plan | Rollout) -> Windings | None:
     """Those of the trajectory's joints; None where the robot is not there, or is another by now."""
     try:
-        robot = load_robot(trajectory.jump.robot)
+        robot = robot_of(trajectory)
     except (InputError, RobotFileError):
         return None
     if sorted(trajectory.joint_names) != sorted(robot.joint_names):

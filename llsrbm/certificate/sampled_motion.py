@@ -17,10 +17,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, pinocchio_states
-from llsrbm.robots import Robot, load_robot
+from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import friction_torque
 
 Array = NDArray[np.float64]
@@ -74,7 +75,7 @@ class SampledMotion:
             RobotFileError: the robot is not there.
         """
         if isinstance(motion, Plan):
-            return _of_plan(motion, robot or load_robot(motion.jump.robot))
+            return _of_plan(motion, robot or robot_of(motion))
         return _of_rollout(motion) if isinstance(motion, Rollout) else _of_states(motion)
 
     @property
@@ -172,7 +173,7 @@ def _of_plan(plan: Plan, robot: Robot) -> SampledMotion:
 
 
 def _of_rollout(rollout: Rollout) -> SampledMotion:
-    robot = load_robot(rollout.jump.robot)
+    robot = robot_of(rollout)
     times = _instants(rollout.time, both_sides=False)
     before, at, after = (motion_at(rollout, times + step) for step in (-_STEP, 0.0, _STEP))
     assert at.foot_force is not None

@@ -38,18 +38,15 @@ def check_command(
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.certificate import certify
         from llsrbm.formats import load_any, remarks_of
+        from llsrbm.motion.robot import robot_of
         from llsrbm.motion.whole_body import WholeBodyMotion
-        from llsrbm.robots import load_robot
         from llsrbm.robots.drives.stated import known_drives
 
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
         certificate = certify(motion)
-        if isinstance(motion, WholeBodyMotion):
-            mover = motion.robot
-        else:
-            mover = load_robot(motion.jump.robot)
+        mover = motion.robot if isinstance(motion, WholeBodyMotion) else robot_of(motion)
         result: dict[str, Any] = {
             "file": str(file),
             "remarks": list(remarks),

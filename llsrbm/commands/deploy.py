@@ -116,6 +116,7 @@ def deploy_command(
 def _plan(file: Path | None, robot: str | None, tier: str) -> _Ready:
     """Plays a plan. Raises `InputError`: there is none, or no such tier."""
     import llsrbm
+    from llsrbm.motion.robot import robot_of
     from llsrbm.player.requirements import check_plan
     from llsrbm.player.tiers import tier_called
     from llsrbm.robots import load_robot
@@ -125,7 +126,7 @@ def _plan(file: Path | None, robot: str | None, tier: str) -> _Ready:
     plan = llsrbm.load(file)
     if not isinstance(plan, llsrbm.Plan):
         raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
-    loaded, chosen = load_robot(plan.jump.robot if robot is None else robot), tier_called(tier)
+    loaded, chosen = robot_of(plan) if robot is None else load_robot(robot), tier_called(tier)
     return _Ready(
         file.stem,
         loaded,

@@ -74,9 +74,9 @@ def plan_command(
 def _description(plan: Plan) -> dict[str, str]:
     from llsrbm.analysis.joint_margins import joint_margins
     from llsrbm.analysis.wording import plan_rows
-    from llsrbm.robots import load_robot
+    from llsrbm.motion.robot import robot_of
 
     rows = {"Request": options.in_words(plan.jump), **dict(plan_rows(plan))}
     if plan.solved:  # the instants of one that failed may run backwards
-        rows["Joints"] = joint_margins(plan, load_robot(plan.jump.robot)).worst()
+        rows["Joints"] = joint_margins(plan, robot_of(plan)).worst()
     return rows

@@ -31,6 +31,7 @@ from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
 from llsrbm.formats.unitree_csv import UNITREE_CSV
 from llsrbm.formats.wire import LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.messages import look_up
@@ -123,7 +124,7 @@ def remarks_of(motion: Trajectory | WholeBodyMotion) -> tuple[str, ...]:
     """Sentences on what a motion's numbers cannot mean: see `llsrbm.formats.plausibility`."""
     if isinstance(motion, WholeBodyMotion):
         return motion.remarks
-    robot = load_robot(motion.jump.robot)
+    robot = robot_of(motion)
     if sorted(motion.joint_names) != sorted(robot.joint_names):
         return ()  # another robot by now, which whatever is made of it says
     order = [motion.joint_names.index(name) for name in robot.joint_names]

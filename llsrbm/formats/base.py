@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any
 
 from llsrbm.errors import FileFormatError, InputError
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory, description
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.robots import Robot, load_robot
+from llsrbm.robots import Robot
 from llsrbm.robots.drives.stated import stated_drives
 from llsrbm.robots.drives.variants import driven
 from llsrbm.text_files import parse_json, read_text
@@ -140,7 +141,7 @@ class Format:
 
 def driven_robot(trajectory: Trajectory) -> Robot:
     """The robot of a motion as it is now, with ideal drives where it was simulated with these."""
-    robot = load_robot(trajectory.jump.robot)
+    robot = robot_of(trajectory)
     return driven(robot, trajectory.scenario.drives) if isinstance(trajectory, Rollout) else robot
 
 

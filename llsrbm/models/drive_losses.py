@@ -36,7 +36,7 @@ class DriveLosses:
     @staticmethod
     def of(robot: Robot) -> DriveLosses:
         """Those of a robot's joints, in the order of `Robot.joint_names`."""
-        width = _WIDER * STILL * robot.speed_limit
+        width = _WIDER * STILL * robot.rated_speed
         return DriveLosses(robot.armature, robot.friction, robot.damping, width)
 
     def torque(self, joint: int, speed: Any, acceleration: Any) -> Any:

@@ -19,9 +19,10 @@ from llsrbm.files.quantity import TIME, quantities
 from llsrbm.mechanics import apply, cross, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import evenly, resample, with_events
-from llsrbm.robots import Robot, load_robot
+from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 
 Array = NDArray[np.float64]
@@ -138,7 +139,7 @@ def motion_at_ticks(rollout: Rollout, ticks: NDArray[np.int64]) -> WholeBodyMoti
 
 def _robot_and_order(trajectory: Plan | Rollout) -> tuple[Robot, list[int]]:
     """The robot as it is now, and where its joints are among the trajectory's."""
-    robot = load_robot(trajectory.jump.robot)
+    robot = robot_of(trajectory)
     if sorted(trajectory.joint_names) != sorted(robot.joint_names):
         raise InputError(
             f"the motion's joints are {', '.join(trajectory.joint_names)}, but {robot.path} has "

@@ -106,6 +106,8 @@ class Robot:
             frame is its middle; of soles nothing. Plans take it for the same in all postures.
         load_fit: fits the leg maps, or takes them from the cache.
         turns_over: whether it is as the file's [turning] has it.
+        drive_strength, battery: shares of the file's torque and speed that its drives give.
+        rated: the same robot with the file's drives; None: this is it.
     """
 
     file: RobotFile
@@ -127,6 +129,9 @@ class Robot:
     arms: tuple[Arm, ...] = ()
     foot_lift: float = 0.0
     turns_over: bool = False
+    drive_strength: float = 1.0
+    battery: float = 1.0
+    rated: Robot | None = None
 
     @property
     def name(self) -> str:
@@ -191,29 +196,39 @@ class Robot:
 
     @cached_property
     def torque_limit(self) -> Array:
-        """(J,) Nm or N, in the order of `joint_names`; the URDF's where the file has none."""
-        return self._of_joints(self.file.limits.torque, self.model.effortLimit)
+        """(J,) Nm or N that the drives give, in the order of `joint_names`."""
+        return self.drive_strength * self.rated_torque
 
     @cached_property
     def speed_limit(self) -> Array:
-        """(J,) rad/s or m/s, in the order of `joint_names`; the URDF's where the file has none."""
+        """(J,) rad/s or m/s at which nothing is left, in the order of `joint_names`."""
+        return self.battery * self.rated_speed
+
+    @cached_property
+    def rated_torque(self) -> Array:
+        """(J,) Nm or N: the file's, or the URDF's where the file has none."""
+        return self._of_joints(self.file.limits.torque, self.model.effortLimit)
+
+    @cached_property
+    def rated_speed(self) -> Array:
+        """(J,) rad/s or m/s, likewise."""
         return self._of_joints(self.file.limits.joint_speed, self.model.velocityLimit)
 
     @cached_property
     def armature(self) -> Array:
         """(J,) kg m2 or kg: the drives' rotors, as the joints feel them."""
-        return self._of_drives("armature", ARMATURE_PER_TORQUE * self.torque_limit)
+        return self._of_drives("armature", ARMATURE_PER_TORQUE * self.rated_torque)
 
     @cached_property
     def friction(self) -> Array:
         """(J,) Nm or N: the drives' Coulomb friction."""
-        return self._of_drives("friction", FRICTION_PER_TORQUE * self.torque_limit)
+        return self._of_drives("friction", FRICTION_PER_TORQUE * self.rated_torque)
 
     @cached_property
     def damping(self) -> Array:
         """(J,) Nm s/rad or N s/m: the drives' viscous friction."""
-        most = DAMPING_PER_TORQUE * self.torque_limit
-        return self._of_drives("damping", most / self.speed_limit)
+        most = DAMPING_PER_TORQUE * self.rated_torque
+        return self._of_drives("damping", most / self.rated_speed)
 
     @property
     def drive_delay(self) -> float:
@@ -292,7 +307,8 @@ class Robot:
                 f"{self.name} has no table [turning] in its file, and does no flips or rolls; "
                 "expected its reach and timing for a body that turns over"
             )
-        return replace(self, file=self.file.turned, turns_over=True)
+        rated = None if self.rated is None else self.rated.turning
+        return replace(self, file=self.file.turned, turns_over=True, rated=rated)
 
     @cached_property
     def fit(self) -> LegFit:

@@ -126,11 +126,13 @@ def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollou
 def _robot(point: Point) -> Robot:
     """With the point's drives, and those of a robot that turns over if the jump does."""
     from llsrbm.robots import load_robot
-    from llsrbm.robots.drives.variants import with_drives
+    from llsrbm.robots.drives.variants import with_drives, with_strength
 
     robot = load_robot(point.jump.robot)
     robot = robot.turning if point.jump.turns else robot
-    return with_drives(robot, point.drive_torque, point.drive_speed)
+    robot = with_drives(robot, point.drive_torque, point.drive_speed)
+    strength, battery = (point.limits.get(name, 1.0) for name in ("drive_strength", "battery"))
+    return with_strength(robot, strength, battery)
 
 
 def _planner(point: Point) -> Planner:

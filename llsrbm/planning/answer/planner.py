@@ -39,6 +39,7 @@ from llsrbm.planning.solve.solver_cache import cached_solver, is_built, of_jumps
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
+from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
@@ -364,7 +365,8 @@ def planner_of(
         InputError: a whole turn about an axis about which the robot makes none.
         Cancelled: `cancelled` was true.
     """
-    robot = robot or load_robot(jump.robot)
+    # Rows are of the file's drives, whatever a request says of them.
+    robot = with_strength(robot or load_robot(jump.robot))
     if jump.turns:
         robot = robot.turning
         check_turns(jump, robot)

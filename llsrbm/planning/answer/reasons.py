@@ -116,6 +116,8 @@ def gains(nearest: Nearest) -> list[Gain]:
         if not held & {constraint, *_limited_too(constraint)}:
             continue
         for limit, value in (limits[x.name] for x in constraint.limits if x.name in limits):
+            if limit.states:
+                continue
             step = STEP * max(abs(value), LEAST) * (-1 if limit.lower_bound else 1)
             other = limit.put(task, value + step)
             low, high = row_bounds(form.layout, other)

@@ -250,10 +250,13 @@ class Knots:
         return joint_loads(self.task.robot, motion)
 
     def under(self, task: Task) -> Knots:
-        """The same motion under other limits; postures and loads are not computed again."""
+        """The same motion under other limits; postures and loads are not computed again, but loads
+        with other drives.
+        """
         other = replace(self, task=task)
         for name in ("postures", "loads"):
-            if name in vars(self):
+            same = name == "postures" or task.robot is self.task.robot
+            if same and name in vars(self):
                 vars(other)[name] = vars(self)[name]
         return other
 

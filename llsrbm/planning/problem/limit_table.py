@@ -26,6 +26,8 @@ class Limit:
         place: where a `Task` has it: names of attributes, the index in a tuple.
         relative: see `lowest`; `llsrbm.planning.problem.limits.limits_of` has them in `unit`.
         lower_bound: whether raising it forbids more, instead of allowing more.
+        states: whether it says how the robot is, not what a plan may use of it; no explanation
+            asks for more of it.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Limit:
     place: tuple[str | int, ...]
     relative: bool = False
     lower_bound: bool = False
+    states: bool = False
 
     @property
     def loosest(self) -> float:
@@ -146,6 +149,12 @@ _LIMITS = {limit.name: limit for limit in (
           0.2, 3.0, ("limits", "torque_share")),
     Limit("speed_share", "share of the drives' speed", "1",
           "joints may turn faster; less is left for feedback", 0.2, 3.0, ("limits", "speed_share")),
+    Limit("drive_strength", "strength of the drives", "1",
+          "drives give more torque; a share of what the robot's file says",
+          0.3, 1.5, ("drive_strength",), states=True),
+    Limit("battery", "speed that the battery allows", "1",
+          "drives turn faster before their torque falls; a share of what the robot's file says",
+          0.5, 1.2, ("battery",), states=True),
 )}
 # fmt: on
 

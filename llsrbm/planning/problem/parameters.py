@@ -30,6 +30,8 @@ def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[st
 
     `at_knots`: with feet where they have rolled to at the knots, not over the intervals.
     """
+    # Rows are of the file's drives; those of the torque at speed are `battery` times as large.
+    torque_share = task.limits.torque_share * task.drive_strength / task.battery
     values = {
         "start_position": task.start_position,
         "start_quat": task.start_quat,
@@ -39,7 +41,7 @@ def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[st
         "goal_velocity": task.goal_velocity,
         "corners": task.corners[:, :2],
         "friction": np.array([task.limits.friction]),
-        "torque_share": np.array([task.limits.torque_share]),
+        "torque_share": np.array([torque_share]),
         "upright_axes": upright_axes(task.jump),
     }
     if layout.arm_joints:

@@ -16,6 +16,7 @@ from llsrbm.request.jump_types import Displacement
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Foot, Limits, Reach, Timing
 
@@ -138,7 +139,8 @@ class Task:
         motion: the rest of the state at the start of a schedule that is under way; else None.
         corners: (c, 3) m, contact points of a foot in its frame.
         limits, reach, timing, foot: of the robot file, with what the request changes.
-        robot: whose drives and whole body a plan is checked with.
+        robot: whose drives and whole body a plan is checked with; `drive_strength` and `battery`
+            are its, as shares of what its file says.
         weights: cost name -> weight, of every cost.
         tuning: what of weights and limits the request changes.
         correction: (N, 3) kg m2/s, base axes: by how much the whole body's angular momentum exceeds
@@ -181,6 +183,12 @@ class Task:
     requested: Jump | None = None
     displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
+    drive_strength: float = 1.0
+    battery: float = 1.0
+
+    def __post_init__(self) -> None:
+        robot = with_strength(self.robot, self.drive_strength, self.battery)
+        object.__setattr__(self, "robot", robot)
 
     @property
     def start_momentum(self) -> Array:

@@ -222,7 +222,7 @@ def _stop_of(knots: Knots, constraint: Constraint, v: Violation) -> Stop:
 
 def _exceeded(knots: Knots, constraint: Constraint) -> Stop | None:
     """The limit of a violated constraint that would have to be another, if there is one."""
-    for limit in constraint.limits:
+    for limit in (each for each in constraint.limits if not each.states):
         value = limit.of(knots.task)
         step = FAR * max(abs(value), TOLERANCE) * (-1 if limit.lower_bound else 1)
         enough, too_little = value + step, value

@@ -40,6 +40,7 @@ from llsrbm.planning.solve.formulation import Formulation, knot_arrays
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
 from llsrbm.request.schedule import Schedule
+from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -116,7 +117,8 @@ class Replanner:
         when_idle()
         jump = plan.jump
         self.plan = plan
-        self._robot = robot.turning if jump.turns else robot
+        # Rows are of the file's drives, whatever the plan says of them.
+        self._robot = with_strength(robot.turning if jump.turns else robot)
         free = free_arms_of(jump, self._robot)
         self._model = make_model(jump.model, self._robot, free_arms=free)
         task = task_of(plan, self._robot)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from llsrbm.motion.plan import Plan, Refinement
+from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver
 from llsrbm.planning.solve.kept import kept
@@ -22,7 +23,6 @@ from llsrbm.planning.whole_body.result import plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.start import start_of
-from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
@@ -106,7 +106,7 @@ def refined(
 
 def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
     """The whole-body problem of plans like this one, built once and kept; `robot`: of `refined`."""
-    return Refiner(robot or load_robot(plan.jump.robot), Grid.of(plan))
+    return Refiner(robot or robot_of(plan), Grid.of(plan))
 
 
 def _subject(robot: Robot, sizes: Sizes, grid: Grid) -> Subject:

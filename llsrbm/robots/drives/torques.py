@@ -79,7 +79,7 @@ def _braking(power: float, speed: Array) -> Array:
 @lru_cache(maxsize=16)
 def _losses(robot: Robot) -> tuple[Array, Array, Array]:
     """(J,) each: Coulomb friction, damping, and 1 / w."""
-    return robot.friction, robot.damping, 1.0 / (STILL * robot.speed_limit)
+    return robot.friction, robot.damping, 1.0 / (STILL * robot.rated_speed)
 
 
 @lru_cache(maxsize=16)

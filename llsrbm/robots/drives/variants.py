@@ -54,6 +54,21 @@ def with_drives(
     return other
 
 
+@lru_cache(maxsize=32)
+def with_strength(robot: Robot, drive_strength: float = 1.0, battery: float = 1.0) -> Robot:
+    """The robot whose drives give these shares of the file's torque and speed; the same object each
+    time, and where both are 1 that of the file.
+
+    Unlike `with_drives` it is no other robot: its solvers and its numbers in plans are the file's.
+    """
+    rated = robot.rated or robot
+    if (drive_strength, battery) == (1.0, 1.0):
+        return rated
+    other = replace(rated, drive_strength=drive_strength, battery=battery, rated=rated)
+    vars(other)["fit"] = rated.fit
+    return other
+
+
 def driven(robot: Robot, drives: str) -> Robot:
     """The robot with "true" drives, as its file has them, or "ideal" ones.
 
@@ -73,6 +88,8 @@ def ideal(robot: Robot) -> Robot:
     )
     model = robot.model.copy()
     model.armature[:] = 0.0
-    other = replace(robot, file=robot.file.model_copy(update={"drives": drives}), model=model)
+    rated = None if robot.rated is None else ideal(robot.rated)
+    file = robot.file.model_copy(update={"drives": drives})
+    other = replace(robot, file=file, model=model, rated=rated)
     vars(other)["fit"] = robot.fit
     return other

@@ -67,6 +67,10 @@ class DriveConstraint(AgreedConstraint):
         """(A n, 1) likewise, of free arms."""
 
     @abstractmethod
+    def scale(self, task: Task) -> float:
+        """A share of the task's drives, as the rows count it: of those of the robot's file."""
+
+    @abstractmethod
     def tops(self, task: Task) -> Array:
         """(2,) the bounds of rows in the middle of an interval and at its edge."""
 
@@ -84,8 +88,9 @@ class DriveConstraint(AgreedConstraint):
                 )
                 for ends in (shifted.lower, shifted.upper)
             )
-            return compressed(lower, np.sqrt), compressed(upper, np.sqrt)
-        middle, edge = self.tops(task) * [1.0, 1.0 - self.edge_reserve]
+            scale = self.scale(task)
+            return compressed(scale * lower, np.sqrt), compressed(scale * upper, np.sqrt)
+        middle, edge = self.scale(task) * self.tops(task) * [1.0, 1.0 - self.edge_reserve]
         tops = np.repeat([middle, edge, middle], [len(joints), len(edges), len(arms)])
         top = compressed(tops, np.sqrt)
         return -top, top

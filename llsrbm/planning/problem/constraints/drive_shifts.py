@@ -56,7 +56,7 @@ def _row_shares(constraint: DriveConstraint, knots: Knots) -> tuple[Array, Array
     settled = np.full((len(knots.dt), knots.task.joints), np.nan)
     if (rows := knots.rows.get(constraint)) is not None:
         for knot in np.unique(rows.knot):
-            values = expanded(rows.values[rows.knot == knot])
+            values = expanded(rows.values[rows.knot == knot]) / constraint.scale(knots.task)
             landing, beside = constraint.further_legs(knots.layout.roles[knot])
             ends, edges = legs[list(landing)].ravel(), legs[list(beside)].ravel()
             parts = np.split(values, np.cumsum([legs.size, ends.size, edges.size]))

@@ -66,7 +66,7 @@ class JointTorque(DriveConstraint):
     unit = "Nm"
     of_edges = False
     allowances = TORQUE_ALLOWANCE, COMPARED_TORQUE_ALLOWANCE
-    limits = limits_called("torque_share")
+    limits = limits_called("torque_share", "drive_strength")
 
     def applies(self, role: Role) -> bool:
         """Over every interval but the first of a plan from rest, where the robot stands."""
@@ -78,6 +78,9 @@ class JointTorque(DriveConstraint):
 
     def arm_shares(self, stage: Stage) -> Any:
         return stage.arm_torques
+
+    def scale(self, task: Task) -> float:
+        return task.drive_strength
 
     def tops(self, task: Task) -> Array:
         """The robot file's share."""
@@ -109,7 +112,7 @@ class TorqueAtSpeed(JointTorque):
     of_edges = True
     edge_reserve = TORQUE_RESERVE
     limits = ()
-    limited_by = ("torque_share",)
+    limited_by = ("torque_share", "drive_strength", "battery")
 
     def shares(self, stage: Stage) -> Any:
         """The sum above, times 0.3; at edges with the interval's torque and the edge's speed."""
@@ -123,6 +126,9 @@ class TorqueAtSpeed(JointTorque):
 
     def arm_shares(self, stage: Stage) -> Any:
         return FALL * stage.arm_torques / stage.parameters["torque_share"] + stage.arm_speeds
+
+    def scale(self, task: Task) -> float:
+        return task.battery
 
     def tops(self, task: Task) -> Array:
         return np.ones(2)
@@ -155,7 +161,7 @@ class JointSpeed(DriveConstraint):
     of_both_ends = False
     edge_reserve = SPEED_RESERVE
     allowances = SPEED_ALLOWANCE, COMPARED_SPEED_ALLOWANCE
-    limits = limits_called("speed_share")
+    limits = limits_called("speed_share", "battery")
 
     def applies(self, role: Role) -> bool:
         """While feet swing, in the interval before that and in the one after it."""
@@ -168,7 +174,8 @@ class JointSpeed(DriveConstraint):
             return lower, upper
         legs, beside = task.robot.leg_joint_index, list(layout.roles[knot].at_edge)
         joints = np.concatenate([legs.ravel(), legs[beside].ravel(), task.free_arms])
-        knees, top = np.isin(joints, legs[:, KNEE]), compressed(OVERRUN, np.sqrt)
+        knees = np.isin(joints, legs[:, KNEE])
+        top = compressed(self.scale(task) * OVERRUN, np.sqrt)
         return np.where(knees, -top, lower), np.where(knees, top, upper)
 
     def shares(self, stage: Stage) -> Any:
@@ -179,6 +186,9 @@ class JointSpeed(DriveConstraint):
 
     def arm_shares(self, stage: Stage) -> Any:
         return stage.arm_speeds
+
+    def scale(self, task: Task) -> float:
+        return task.battery
 
     def tops(self, task: Task) -> Array:
         """The robot file's share, and more of it at edges."""

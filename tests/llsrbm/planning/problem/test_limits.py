@@ -217,6 +217,7 @@ BINDING = {
     "feet_apart": (TWIST, {}, 0.35, nearest_feet, 1e-3),
     "torque_share": (FORWARD, {}, 0.5, torque_share, 0.1),
     "speed_share": (FORWARD, {}, 0.55, speed_share, 0.05),
+    "drive_strength": (FORWARD, {}, 0.6, lambda plan: torque_share(plan) / 0.85, 0.1),
     "reach_standing": (FORWARD, {}, 0.9, lowest_hips, 1e-3),
 }
 
@@ -266,5 +267,6 @@ def test_the_checks_use_the_changed_limit(name, value, measured):
 
 
 def test_every_limit_of_a_point_foot_is_measured():
-    # Knees and legs side by side are measured in `test_knees`.
-    assert {*BINDING, "foot_speed", "knee_margin", "legs_apart"} == set(limits_of(ANYMAL))
+    # Knees and legs side by side are measured in `test_knees`, the battery in `motion/test_robot`.
+    others = {"foot_speed", "knee_margin", "legs_apart", "battery"}
+    assert {*BINDING, *others} == set(limits_of(ANYMAL))
