@@ -16,6 +16,7 @@ TYPE_CHECKING = False  # `typing` would take longer to import than this module
 if TYPE_CHECKING:
     from typing import Any
 
+    from llsrbm.analysis.sensitivity import sensitivity
     from llsrbm.api import plan, simulate
     from llsrbm.certificate import certified, certify
     from llsrbm.errors import (
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
 _LATER = {
     name: module
     for module, names in {
+        "llsrbm.analysis.sensitivity": ("sensitivity",),
         "llsrbm.api": ("plan", "simulate"),
         "llsrbm.certificate": ("certified", "certify"),
         "llsrbm.errors": (
@@ -84,6 +86,7 @@ __all__ = [
     "load_design",
     "load_motion",
     "plan",
+    "sensitivity",
     "simulate",
     "with_feedback",
 ]
