@@ -1,13 +1,16 @@
-"""Jumps of real robots: the plans that come with the package, each simulated once a run."""
+"""Jumps of real robots: drafts of their examples, each simulated once a run.
+
+They are kept as files: `llsrbm.plan(example(robot), draft=True)` of `app.tab.start.initial_plan`.
+"""
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import mujoco
 import numpy as np
 
 import llsrbm
-from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import Plan, load_plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.surroundings import Surroundings
@@ -20,8 +23,8 @@ ROBOTS = ("anymal", "slider")
 
 @cache
 def planned(robot: str) -> Plan:
-    """What the robot's example is: a twist of 90 or 45 degrees, SLIDER's jump onto a box."""
-    return load_plan(assets_directory() / "plans" / f"{robot}.npz")
+    """A draft of the robot's example: a twist of 90 or 45 degrees, SLIDER's jump onto a box."""
+    return load_plan(Path(__file__).with_name("drafts") / f"{robot}.npz")
 
 
 @cache
