@@ -54,7 +54,7 @@ def test_a_simulation_has_them_and_the_controller_knows():
 def test_no_solver_is_built_for_other_drives():
     """And rotors, friction and everything else stay as they are."""
     robot = robot_of(plan())
-    assert robot.rated is ROBOT
+    assert robot.rated is load_robot("go2")
     assert planner_of(JUMP, robot=robot) is planner_of(JUMP)
     for name in ("armature", "friction", "damping"):
         np.testing.assert_array_equal(getattr(robot, name), getattr(ROBOT, name))
