@@ -8,10 +8,10 @@ from html import escape
 from app.panel.html import SMALL, table
 from app.panel.status import SeedResult, Status, Verdict
 from llsrbm.analysis.diagnosis import fall_in_words
+from llsrbm.analysis.drafts import draft_reason
 from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.analysis.wording import (
     InWords,
-    draft_reason,
     drive_rows,
     followed_plans,
     plan_rows,

@@ -9,11 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
+from llsrbm.analysis.drafts import certificate_words
 from llsrbm.analysis.figure_table import FIGURE
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load, power_forecast
-from llsrbm.certificate import Certificate, stated
+from llsrbm.certificate import Certificate
 from llsrbm.certificate.power import CUT, PowerForecast
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
@@ -127,31 +128,6 @@ def _refinement(of: Refinement) -> str:
     building = f", {of.build_time_s:.1f} s to build the solver" if of.build_time_s > 0.1 else ""
     compiling = ", still being compiled" if of.compiling else ""
     return f"found in {effort}{building}{compiling}"
-
-
-def certificate_words(plan: Plan) -> str:
-    """Whether the plan's certificate holds; if not, why the plan is a draft."""
-    if not plan.solved:
-        return "none: no plan was found"
-    return "holds" if plan.certified else f"none that holds, a draft: {draft_reason(plan)}"
-
-
-def draft_reason(plan: Plan) -> str:
-    """Why a plan is not certified, in words; "" if it is."""
-    found = stated(plan)
-    if found is None:
-        if plan.refined:
-            return "it was not checked"
-        if plan.refinement is None:
-            return "its drives were looked at in knots only"
-        if plan.jump.turns:
-            return "the whole body's plan is not looked for where the body turns over"
-        return "the whole body's plan was not found"
-    unknown = [each for each in found if each.holds is None]
-    names = ", ".join(each.name.replace("_", " ") for each in found.broken or unknown)
-    if found.broken:
-        return f"its certificate does not hold: {names}"
-    return f"its certificate does not know: {names}" if unknown else ""
 
 
 def worst_violation(plan: Plan) -> str:

@@ -80,7 +80,7 @@ def simulate_command(
 def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario, *, draft: bool) -> Plan:
     """Plan a jump that will be followed in a scenario."""
     import llsrbm
-    from llsrbm.analysis.wording import draft_reason
+    from llsrbm.analysis.drafts import draft_reason
     from llsrbm.robots import load_robot
     from llsrbm.simulation.checks import check_scenario
 

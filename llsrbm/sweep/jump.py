@@ -158,7 +158,7 @@ def _planned(spec: Spec, point: Point) -> tuple[TableRow, Plan | None]:
 
 def _certificate(plan: Plan) -> TableRow:
     """Whether its certificate holds; why not, if it does not or if there is none."""
-    from llsrbm.analysis.wording import draft_reason
+    from llsrbm.analysis.drafts import draft_reason
     from llsrbm.certificate import stated
 
     certificate = stated(plan)

@@ -1,0 +1,31 @@
+"""Words for whether a plan is certified, and why one is a draft."""
+
+from __future__ import annotations
+
+from llsrbm.certificate import stated
+from llsrbm.motion.plan import Plan
+
+
+def certificate_words(plan: Plan) -> str:
+    """Whether the plan's certificate holds; if not, why the plan is a draft."""
+    if not plan.solved:
+        return "none: no plan was found"
+    return "holds" if plan.certified else f"none that holds, a draft: {draft_reason(plan)}"
+
+
+def draft_reason(plan: Plan) -> str:
+    """Why a plan is not certified, in words; "" if it is."""
+    found = stated(plan)
+    if found is None:
+        if plan.refined:
+            return "it was not checked"
+        if plan.refinement is None:
+            return "its drives were looked at in knots only"
+        if plan.jump.turns:
+            return "the whole body's plan is not looked for where the body turns over"
+        return "the whole body's plan was not found"
+    unknown = [each for each in found if each.holds is None]
+    names = ", ".join(each.name.replace("_", " ") for each in found.broken or unknown)
+    if found.broken:
+        return f"its certificate does not hold: {names}"
+    return f"its certificate does not know: {names}" if unknown else ""
