@@ -27,6 +27,8 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import of_its_type
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
+from llsrbm.robots.payload import with_payload
+from llsrbm.robots.robot import Robot
 
 
 def plan(
@@ -63,7 +65,7 @@ def plan(
         explains: whether what the request would need is found out, by further solves.
         hurried: for a slider that moves: the first nearer jump, unexplained, in half the time.
         draft: the centroidal plan of the first stage alone, in a fraction of the time. Its drives
-            were looked at in knots only; it carries no certificate.
+            were looked at in knots only; it carries no certificate, and no payload.
         cancelled: asked all the while, also while solvers are built; True: `Cancelled` in 0.1 s.
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
@@ -76,14 +78,16 @@ def plan(
     """
     jump = of_its_type(jump)
     # A request out of range builds no solver.
-    make_task(jump, load_robot(jump.robot), weights, limits)
-    planner, build_time = _timed_planner(jump, solver, intervals, cancelled)
+    robot = load_robot(jump.robot)
+    make_task(jump, with_payload(robot, jump.payload), weights, limits)
+    bare = replace(jump, payload=())  # of the first stage, whose solvers have the robot's own mass
+    planner, build_time = _timed_planner(bare, solver, intervals, cancelled)
     try:
         first = planner.plan(
-            jump,
+            bare,
             weights=weights,
             limits=limits,
-            near=near,
+            near=near and _alone(near, robot),
             guesses=guesses,
             patient=patient,
             explains=explains,
@@ -92,12 +96,27 @@ def plan(
             progress=progress,
         )
     except NotConverged as error:
-        if draft or error.nearest is None:
-            raise
-        nearest = whole_body_plan(error.nearest, cancelled=cancelled, progress=progress)
-        raise error.with_nearest(nearest) from None
+        nearest = error.nearest and _carrying(error.nearest, jump)
+        if nearest is not None and not draft:
+            nearest = whole_body_plan(nearest, cancelled=cancelled, progress=progress)
+        raise error.with_plans(_carrying(error.plan, jump), nearest) from None
     first = replace(first, report=replace(first.report, build_time_s=build_time))
+    first = _carrying(first, jump)
     return first if draft else whole_body_plan(first, cancelled=cancelled, progress=progress)
+
+
+def _carrying(plan: Plan, jump: Jump) -> Plan:
+    """A plan of the robot alone as the draft of one with the jump's payload."""
+    return replace(plan, jump=replace(plan.jump, payload=jump.payload))
+
+
+def _alone(near: Plan, robot: Robot) -> Plan:
+    """A plan as that of the robot without its payload, which its first stage is of."""
+    if not near.jump.payload:
+        return near
+    carried = with_payload(robot, near.jump.payload).parameters()
+    numbers = robot.parameters() if near.robot_parameters == carried else near.robot_parameters
+    return replace(near, jump=replace(near.jump, payload=()), robot_parameters=numbers)
 
 
 def whole_body_plan(

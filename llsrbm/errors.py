@@ -134,9 +134,9 @@ class NotConverged(Error):
     def __str__(self) -> str:
         return str(self.args[0])
 
-    def with_nearest(self, nearest: Any) -> NotConverged:
-        """The same with another plan of the nearest jump."""
-        return NotConverged(str(self), self.plan, self.stops, nearest, self.reason)
+    def with_plans(self, plan: Any, nearest: Any) -> NotConverged:
+        """The same with another last iterate and another plan of the nearest jump."""
+        return NotConverged(str(self), plan, self.stops, nearest, self.reason)
 
 
 class Cancelled(Error):

@@ -22,6 +22,7 @@ from llsrbm.errors import Error, FileFormatError, printable
 from llsrbm.formats import is_native, load_motion, readable
 from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import load
 from llsrbm.motion.whole_body import WholeBodyMotion
@@ -189,7 +190,7 @@ def _check_numbers(motion: Plan | Rollout | WholeBodyMotion, shown: str) -> None
 
 
 def _remarks(motion: Plan | Rollout) -> tuple[str, ...]:
-    robot = load_robot(motion.jump.robot)
+    robot = robot_of(motion)
     of = [motion.robot_parameters]
     if isinstance(motion, Rollout):
         of.append(motion.plan.robot_parameters)

@@ -19,6 +19,8 @@ def draft_reason(plan: Plan) -> str:
     if found is None:
         if plan.refined:
             return "it was not checked"
+        if plan.jump.payload:
+            return "it is of the robot without its payload"
         if plan.refinement is None:
             return "its drives were looked at in knots only"
         if plan.jump.turns:

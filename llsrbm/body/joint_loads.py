@@ -161,7 +161,7 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         knot_velocity=knot_velocity,
         edge_velocity=edge_velocity,
         edge_available=torque_in_direction(robot, edge_velocity, torque),
-        standing_torque=_standing_torque(robot, motion, angles[-1]),
+        standing_torque=standing_torque(robot, motion, angles[-1]),
         standing_limit=robot.torque_limit,
     )
 
@@ -242,7 +242,7 @@ def _contact_effort(robot: Robot, position: Array, arm: Array, force: Array) -> 
     return effort
 
 
-def _standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
+def standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
     """(J,) in the last knot's posture, at rest on all contacts."""
     position, rest = angles[None], np.zeros((1, len(angles)))
     R_world_base = rotation_matrices(motion.base_quat[-1])

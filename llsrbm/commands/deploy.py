@@ -119,14 +119,13 @@ def _plan(file: Path | None, robot: str | None, tier: str) -> _Ready:
     from llsrbm.motion.robot import robot_of
     from llsrbm.player.requirements import check_plan
     from llsrbm.player.tiers import tier_called
-    from llsrbm.robots import load_robot
 
     if file is None:
         raise InputError("deploy: no plan; expected PLAN.npz, or --excite with --robot and --hung")
     plan = llsrbm.load(file)
     if not isinstance(plan, llsrbm.Plan):
         raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
-    loaded, chosen = robot_of(plan) if robot is None else load_robot(robot), tier_called(tier)
+    loaded, chosen = robot_of(plan, robot), tier_called(tier)
     return _Ready(
         file.stem,
         loaded,

@@ -17,7 +17,7 @@ import typer
 
 from llsrbm.errors import InputError
 from llsrbm.number_text import decimal, degrees
-from llsrbm.request.jump import TYPE_PARAMETERS, Jump
+from llsrbm.request.jump import TYPE_PARAMETERS, Jump, Load, parse_payload
 from llsrbm.request.messages import FieldSpec, Number, field_specs
 from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.tuning import Tuning
@@ -176,6 +176,8 @@ def in_words(jump: Jump) -> str:
         words.append(f"{jump.hops} hops")
     if jump.arms != plain.arms:
         words.append(f"arms {jump.arms}")
+    if jump.payload:
+        words.append(f"payload {decimal(jump.payload[0], 2)} kg")
     return f"{jump.robot}, {jump.model}: {', '.join(words)}"
 
 
@@ -210,6 +212,8 @@ def _in_library_units(field: str, spec: FieldSpec, value: Any) -> Any:
         return _SWITCHED[field][value]
     if isinstance(spec, PushList):
         return tuple(map(parse_push, value))
+    if isinstance(spec, Load):
+        return parse_payload(value)
     return math.radians(value) if isinstance(spec, Number) and spec.unit == "rad" else value
 
 
@@ -222,6 +226,8 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
         shown: bool | str = True
         if isinstance(spec, PushList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
+        elif isinstance(spec, Load):
+            default, annotation = None, str | None
         elif kind is Jump and field.name in TYPE_PARAMETERS:
             default, annotation, shown = None, annotation | None, _OF_THE_TYPE
         elif field.name in _SWITCHED:

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import math
+import reprlib
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
 from llsrbm.number_text import short
-from llsrbm.request.messages import Name, Number, Whole, check_fields, choices, field_specs
+from llsrbm.request.messages import (
+    FieldSpec,
+    Name,
+    Number,
+    Whole,
+    check_fields,
+    choices,
+    field_specs,
+)
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
@@ -23,7 +33,41 @@ FREE, HELD = "free", "held"
 ARMS = (FREE, HELD)
 
 MOST_HOPS = 5
+PAYLOAD = "KG[,X,Y,Z]"
+FARTHEST = 1.0  # m, of a payload from the origin of the trunk's frame
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
+
+
+@dataclass(frozen=True)
+class Load(FieldSpec):
+    """A mass on the trunk and where it is: none, or kg and x, y, z in m; alone at the origin."""
+
+    def checked(self, name: str, value: Any) -> tuple[float, ...]:
+        """See `FieldSpec`; four numbers, or none."""
+        numbers: list[float] = []
+        with suppress(TypeError, InputError):
+            numbers = [Number("").checked(name, each) for each in value]
+        if isinstance(value, str) or not (len(numbers) in (1, 4) or value in ((), [])):
+            raise InputError(f"{name}: expected {PAYLOAD} in kg and m, got {reprlib.repr(value)}")
+        if not numbers or numbers[0] == 0:
+            return ()
+        mass, *place = (*numbers, 0.0, 0.0, 0.0)[:4]
+        if mass < 0 or max(map(abs, place)) > FARTHEST:
+            raise InputError(
+                f"{name}: expected no negative mass, at most {FARTHEST:g} m from the origin of the "
+                f"trunk's frame, got {reprlib.repr(value)}"
+            )
+        return (mass, *place)
+
+
+def parse_payload(text: str) -> tuple[float, ...]:
+    """The payload that a line of text means: "3" or "3,0.1,0,0.05". Raises `InputError`: none."""
+    try:
+        return tuple(float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(
+            f"payload: expected {PAYLOAD} in kg and m, got {reprlib.repr(text)}"
+        ) from None
 
 
 @dataclass(frozen=True)
@@ -74,6 +118,14 @@ class Jump:
         str,
         Name("Arms, where the robot has some: free, to shape the inertia, or held as they hang"),
     ] = FREE
+    payload: Annotated[
+        tuple[float, ...],
+        Load(
+            "Mass on the trunk, up to half of the robot's: kg, and its place in the "
+            "trunk's frame, m",
+            PAYLOAD,
+        ),
+    ] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)

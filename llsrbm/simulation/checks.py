@@ -31,6 +31,11 @@ def check_plan(plan: Any) -> None:
             f"the plan did not converge: {describe_worst(plan.violations)}; only a plan that "
             "satisfies every constraint is simulated"
         )
+    if plan.jump.payload and not plan.refined:
+        raise InputError(
+            "the plan is a draft, which is of the robot without its payload; expected the plan of "
+            "the whole body"
+        )
 
 
 def check_robot(plan: Plan, robot: Robot) -> None:

@@ -23,7 +23,7 @@ from threadpoolctl import threadpool_limits
 from llsrbm.errors import Error, InputError, NotConverged
 from llsrbm.installed import package_version
 from llsrbm.sweep import rows
-from llsrbm.sweep.points import Point
+from llsrbm.sweep.points import Point, request_in
 from llsrbm.sweep.rows import FAILED, TIMED_OUT, TableRow
 from llsrbm.sweep.spec import Spec
 
@@ -82,7 +82,7 @@ def request_of(point: Point) -> TableRow:
     return {
         "jump": point.number,
         "id": point.id,
-        **asdict(point.jump),
+        **request_in(point.jump),
         "drive_torque": point.drive_torque,
         "drive_speed": point.drive_speed,
         "version": package_version(),

@@ -11,7 +11,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
 from typing import Any
@@ -57,9 +57,14 @@ class Point:
     @property
     def id(self) -> str:
         """The same for the same request in every sweep."""
-        request = [asdict(self.jump), self.limits, self.drive_torque, self.drive_speed]
+        request = [request_in(self.jump), self.limits, self.drive_torque, self.drive_speed]
         text = json.dumps(request, sort_keys=True)
         return hashlib.sha256(text.encode()).hexdigest()[:_ID_DIGITS]
+
+
+def request_in(jump: Jump) -> dict[str, Any]:
+    """The fields of a jump that sweeps vary or state: no payload."""
+    return {name: value for name, value in jump.as_dict().items() if name != "payload"}
 
 
 class Points:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.errors import InputError
 from llsrbm.mechanics import GRAVITY, interpolated, sign_continuous
 from llsrbm.models import free_arms_of, make_model
 from llsrbm.motion.plan import Plan
@@ -113,9 +114,16 @@ class Replanner:
         Args:
             plan: one that converged, of `robot`.
             robot: as the controller believes it is.
+
+        Raises:
+            InputError: the plan has a payload.
         """
-        when_idle()
         jump = plan.jump
+        if jump.payload:
+            raise InputError(
+                "replan: plans anew for the robot alone; expected a plan without a payload"
+            )
+        when_idle()
         self.plan = plan
         # Rows are of the file's drives, whatever the plan says of them.
         self._robot = with_strength(robot.turning if jump.turns else robot)

@@ -9,6 +9,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
+from llsrbm.body.joint_loads import standing_torque
+from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.momentum import centroidal_states
 from llsrbm.mechanics import apply, interpolated, quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
@@ -29,8 +31,6 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     Its knots are those of the grid and the middles between them: the middles of the plan's
     intervals are the nodes, where its forces and torques are exact.
     """
-    assert plan.joint_torque is not None  # a plan that converged has them
-    assert plan.joint_torque_limit is not None
     time = start.time
     at = motion.at(time)
     quat = sign_continuous(at.q[:, [6, 3, 4, 5]])
@@ -54,7 +54,7 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     nodes = motion.within(interval, np.tile(NODES, grid.intervals))
     torque = efforts(robot, nodes.q, nodes.v, nodes.a, nodes.force)[:, 6:]
     limit = torque_in_direction(robot, nodes.v[:, 6:], torque)
-    order = [plan.joint_names.index(name) for name in robot.joint_names]
+    standing = standing_torque(robot, KnotMotion.of_plan(plan), joints[-1])
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
     foot_base = robot.chains.motion(q_legs).foot
@@ -63,6 +63,8 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     in_hip[..., :3] = robot.mirrors * (foot_base - robot.hips)
     return replace(
         plan,
+        robot_parameters=robot.parameters(),
+        base_mass=plan.base_mass + robot.mass - float(plan.robot_parameters["mass"]),
         time=time,
         phase=phase,
         com=com,
@@ -81,8 +83,8 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
         joint_position=joints,
         joint_velocity=at.v[:, 6:],
         joint_names=robot.joint_names,
-        joint_torque=np.vstack([torque[:node_count], plan.joint_torque[-1:, order]]),
-        joint_torque_limit=np.vstack([limit, plan.joint_torque_limit[-1:, order]]),
+        joint_torque=np.vstack([torque[:node_count], standing]),
+        joint_torque_limit=np.vstack([limit, robot.torque_limit]),
         foot_in_hip=in_hip,
     )
 

@@ -1,4 +1,4 @@
-"""The drives that a request states, end to end on Go2: planner, certificate, simulation."""
+"""Drives and payloads that a request states, end to end on Go2: planner to simulation."""
 
 from dataclasses import replace
 from functools import cache
@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm.analysis.wording import draft_reason
 from llsrbm.motion.robot import robot_of
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.robots import load_robot
@@ -69,3 +70,50 @@ def test_what_is_limited_is_said_of_the_drives_as_they_are():
     assert stop.limit not in WEAK  # no drive grows stronger for being asked
     rated = ROBOT.rated_torque[ROBOT.joint_names.index(stop.demand.joint)]
     assert 0.25 * rated < stop.demand.has <= 0.35 * rated
+
+
+# ---- payloads
+
+CARRYING = replace(JUMP, payload=(4.0, 0.05, 0.0, 0.1))
+
+
+@cache
+def carried():
+    return llsrbm.plan(CARRYING, guesses=False)
+
+
+def test_a_plan_with_a_payload_is_certified_and_lands():
+    """The ground carries it at the end."""
+    assert carried().certified
+    assert carried().jump == CARRYING
+    assert carried().robot_parameters["mass"] == pytest.approx(ROBOT.mass + 4.0)
+    rollout = llsrbm.simulate(carried())
+    assert rollout.landed
+    weight = (ROBOT.mass + 4.0) * 9.81
+    assert rollout.contact_force[-1, :, 2].sum() == pytest.approx(weight, rel=0.02)
+    # Without it the same motion misses Newton's equations.
+    alone = replace(carried(), jump=JUMP)
+    assert not llsrbm.certify(alone).holds
+
+
+def test_its_file_has_it(tmp_path):
+    carried().save(tmp_path / "plan.npz")
+    assert llsrbm.load(tmp_path / "plan.npz").jump == CARRYING
+
+
+def test_another_plan_may_begin_from_it():
+    near = llsrbm.plan(replace(CARRYING, forward=0.42), near=carried())
+    assert near.certified
+    assert near.jump.payload == CARRYING.payload
+
+
+def test_a_draft_is_of_the_robot_alone_and_says_so():
+    draft = llsrbm.plan(CARRYING, draft=True)
+    assert draft_reason(draft) == "it is of the robot without its payload"
+    with pytest.raises(llsrbm.InputError, match="without its payload"):
+        llsrbm.simulate(draft)
+
+
+def test_it_is_not_planned_anew():
+    with pytest.raises(llsrbm.InputError, match="expected a plan without a payload"):
+        llsrbm.simulate(carried(), replan=True)
