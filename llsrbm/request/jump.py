@@ -146,7 +146,7 @@ class Jump:
 
     def as_dict(self) -> dict[str, Any]:
         """The request as plain data, for files and messages."""
-        return asdict(self)
+        return asdict(self) | {"payload": list(self.payload)}
 
 
 def changes(wanted: Jump, found: Jump) -> str:

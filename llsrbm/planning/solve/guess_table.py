@@ -104,7 +104,8 @@ class GuessTable:
     def has(self, jump: Jump) -> bool:
         """True if a jump differs from those in the table in its `REQUEST` alone."""
         plain = Jump(robot=jump.robot, model=jump.model, **self.kind)
-        return all(getattr(jump, n) == v for n, v in plain.as_dict().items() if n not in REQUEST)
+        names = [name for name in plain.as_dict() if name not in REQUEST]
+        return all(getattr(jump, name) == getattr(plain, name) for name in names)
 
     def request(self, number: int) -> dict[str, Any]:
         """That of a solution, by `REQUEST`."""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -99,6 +100,12 @@ def test_a_plan_with_a_payload_is_certified_and_lands():
 def test_its_file_has_it(tmp_path):
     carried().save(tmp_path / "plan.npz")
     assert llsrbm.load(tmp_path / "plan.npz").jump == CARRYING
+
+
+def test_an_export_for_mujoco_has_it(tmp_path):
+    llsrbm.export(carried(), tmp_path / "out", "mujoco")
+    masses = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "scene.xml")).body_mass
+    assert masses.sum() == pytest.approx(ROBOT.mass + 4.0, rel=1e-6)
 
 
 def test_another_plan_may_begin_from_it():
