@@ -81,7 +81,7 @@ def test_whatever_is_damaged_is_opened_or_refused_in_a_line(seed):
 
 def test_a_path_in_place_of_a_robot_is_never_looked_for(tmp_path, monkeypatch):
     looked = []
-    for module in ("llsrbm.robots", "llsrbm.robots.catalogue"):
+    for module in ("llsrbm.robots", "llsrbm.motion.robot"):
         monkeypatch.setattr(f"{module}.load_robot", lambda name: looked.append(name))
     content(PLAN, tmp_path)
 
