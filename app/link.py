@@ -121,6 +121,13 @@ class PinPressed:
 
 
 @dataclass(frozen=True, config=_FROM_PAGE)
+class ComparisonClosed:
+    """The comparison was closed, done or not."""
+
+    kind: Literal["comparison closed"] = "comparison closed"
+
+
+@dataclass(frozen=True, config=_FROM_PAGE)
 class CertificateAsked:
     """The verdict was pressed."""
 
@@ -182,6 +189,7 @@ PageEvent = (
     | AtlasSeen
     | AtlasClicked
     | PinPressed
+    | ComparisonClosed
     | CertificateAsked
     | BesideChosen
     | ChartDropped

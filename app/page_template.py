@@ -25,6 +25,7 @@ SCRIPTS = (
     "camera.js",
     "remark.js",
     "pins.js",
+    "compare.js",
     "parts.js",
     "handles.js",
     "tour.js",

@@ -50,12 +50,19 @@ class CameraTarget:
     # azimuth (0 ahead, 90 to the left), elevation (deg) and distance (m) of the camera at first;
     # None: from where it sees all of them
     camera: tuple[float, float, float] | None = None
+    # (3,) towards the camera at first, world frame; None: as of any robot
+    direction: tuple[float, float, float] | None = None
 
     @property
     def plain(self) -> dict[str, Any]:
         """For JSON."""
         points = self.points.round(4).tolist()
-        return {"follow": self.follow, "points": points, "camera": self.camera}
+        return {
+            "follow": self.follow,
+            "points": points,
+            "camera": self.camera,
+            "direction": self.direction,
+        }
 
 
 @dataclass(frozen=True, eq=False)

@@ -41,17 +41,22 @@ class Act(Enum):
     COMPARE_REPLANNING = Button(
         "push",
         "With and without replanning",
-        "Simulate the push with and without replanning; play both side by side",
+        "Simulate the push with and without replanning, side by side",
     )
-    COMPARE_MODEL = Button(
-        "push",
-        "Against another model",
-        "Simulate the push on an SRBM plan as well (on LL-SRBM+ if this is one)",
+    COMPARE_MODELS = Button(
+        "compare",
+        "Compare models",
+        "Plan this request with each inertia model and simulate each plan, side by side",
     )
     COMPARE_ARMS = Button(
-        "push",
-        "With free and held arms",
-        "Simulate the push with free and with held arms; play both side by side",
+        "compare",
+        "Free and held arms",
+        "Plan this request with free and with held arms and simulate both, side by side",
+    )
+    COMPARE_DRIVES = Button(
+        "drives",
+        "True and ideal drives",
+        "Simulate this plan with the drives' rotors, friction and delay and without, side by side",
     )
     SEEDS = Button(
         "seeds",

@@ -167,7 +167,7 @@ TURN: Field[Jump] = Field(
 
 def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
     names = {file.title: name for name, file in robots.items()}
-    models_by_title = {_MODEL_TITLES.get(name, name): name for name in models.names()}
+    models_by_title = {title_of_model(name): name for name in models.names()}
     return (
         Field(
             "Robot",
@@ -180,7 +180,7 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
         Field(
             "Model",
             "Inertia model used by the planner",
-            get=lambda jump: _MODEL_TITLES.get(jump.model, jump.model),
+            get=lambda jump: title_of_model(jump.model),
             put=lambda jump, title: replace(jump, model=models_by_title.get(title, title)),
             options=tuple(models_by_title),
             aliases=tuple(models_by_title.values()),
@@ -203,9 +203,14 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
     )
 
 
+def title_of_model(name: str) -> str:
+    """As in menus."""
+    return _MODEL_TITLES.get(name, name)
+
+
 def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
     """The jump with titles of robot and model, but for the first robot, which titles leave out."""
     robot = jump.robot
     if robot != Jump().robot and robot in robots:
         robot = robots[robot].title
-    return replace(jump, robot=robot, model=_MODEL_TITLES.get(jump.model, jump.model))
+    return replace(jump, robot=robot, model=title_of_model(jump.model))

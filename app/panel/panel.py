@@ -62,6 +62,7 @@ class Panel:
         self.buttons = add_buttons(gui, "history", put)  # all of them, by their acts
         self.files = FileControls(client, examples, put, open_file)
         self.jump = JumpControls(gui, design.jump, robots, put)
+        self.buttons |= add_buttons(gui, "compare", put)
         self._status = gui.add_html("")
         self.buttons |= add_buttons(gui, "verdict", put)
         self.buttons |= add_buttons(gui, "main", put)

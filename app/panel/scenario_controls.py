@@ -171,6 +171,7 @@ class ScenarioControls:
         self.fields.add(*BOARD, *PUSH)
         self.buttons: Buttons = add_buttons(gui, "push", acted)  # between them
         self.fields.add(*DISTURBANCE)
+        self.buttons |= add_buttons(gui, "drives", acted)
         self.buttons |= add_buttons(gui, "seeds", acted)
         self._results = gui.add_html(_wide(note(_NO_SEEDS)))
         self.buttons |= add_buttons(gui, "worst", acted)

@@ -31,11 +31,7 @@ class Blocks(Drawing):
         frames = picture.simulated
         blocks = () if frames is None else picture.blocks
         while len(self._nodes) < len(blocks):
-            self._nodes.append(
-                self.scene.add_box(
-                    f"/blocks/{len(self._nodes)}", colours.BLOCK, opacity=0.55, cast_shadow=False
-                )
-            )
+            self._nodes.append(self.add(self.scene, f"/blocks/{len(self._nodes)}"))
         for node, block in zip(self._nodes, blocks, strict=False):
             place(node, block)
         self._shown = len(blocks)
@@ -45,9 +41,15 @@ class Blocks(Drawing):
         pairs = zip(self._nodes, blocks, strict=False)
         return [
             AnimationChannel(
-                frames.time, tuple(_track(node.name, block, frames.time) for node, block in pairs)
+                frames.time,
+                tuple(standing_track(node.name, block, frames.time) for node, block in pairs),
             )
         ]
+
+    @staticmethod
+    def add(scene: viser.SceneApi, name: str) -> viser.BoxHandle:
+        """A node for a block."""
+        return scene.add_box(name, colours.BLOCK, opacity=0.55, cast_shadow=False)
 
     def show(self, *, visible: bool) -> None:
         for index, node in enumerate(self._nodes):
@@ -74,7 +76,7 @@ def place(node: viser.BoxHandle, block: Block) -> None:
     node.wxyz = (math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2))
 
 
-def _track(name: str, block: Block, time: Array) -> Track:
+def standing_track(name: str, block: Block, time: Array) -> Track:
     """At its place at those of the instants (F,) s at which it stands there."""
     return Track(
         (name,),

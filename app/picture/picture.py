@@ -14,8 +14,6 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push
 from llsrbm.robots import Robot
 
-_APART = 2.4  # heights of a standing robot's CoM from one robot to the next
-
 
 @dataclass(frozen=True, eq=False)
 class Ghost:
@@ -24,13 +22,18 @@ class Ghost:
     robot: Robot  # whose
     frames: ShownMotion  # of its motion
     colour: Rgb  # of the ghost
-    place: int = 0  # beside the robot that is shown: 1 to its left, 2 its right, 3 left of 1 ...
 
-    @property
-    def beside(self) -> float:
-        """How far to the left of where it is (m) it is drawn."""
-        way = (self.place + 1) // 2 * (1 if self.place % 2 else -1)
-        return _APART * float(self.robot.com[2]) * way
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """One of several robots in a row, drawn solid with its name and its ellipsoid."""
+
+    title: str  # its name
+    robot: Robot
+    frames: ShownMotion  # of its motion
+    inertia: ShownMotion  # the motion whose inertia is drawn: the plan's, which has the model's
+    colour: Rgb  # of its ellipsoid
+    blocks: tuple[Block, ...] = ()  # what stands around it
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +49,9 @@ class Picture:
     pushes: tuple[Push, ...] = ()  # of the simulation, as far as it is computed
     blocks: tuple[Block, ...] = ()  # what stands around: of a plan alone, drawn as what it aims at
     ghosts: tuple[Ghost, ...] = ()  # pinned motions
+    # robots beside each other, from left to right, the one that is shown among them; none: it is
+    # alone
+    row: tuple[Standing, ...] = ()
     layers: frozenset[str] = frozenset()  # names of the overlays that are drawn
     target: Jump | None = None  # where the landing handle stands
     night: bool = False  # a dark ground and dim light
@@ -89,13 +95,14 @@ def changed_parts(before: Picture, after: Picture) -> frozenset[str]:
     )
 
 
-_PLAIN = (bool, int, frozenset, Jump, Push)
+_PLAIN = (bool, int, str, frozenset, Jump, Push)
+_GROUPS = (Ghost, Standing)
 
 
 def _same(before: Any, after: Any) -> bool:
     if before is after:
         return True
-    if isinstance(before, Ghost) and isinstance(after, Ghost):
+    if isinstance(before, _GROUPS) and type(before) is type(after):
         parts = zip(vars(before).values(), vars(after).values(), strict=True)
         return all(_same(one, other) for one, other in parts)
     if isinstance(before, tuple) and isinstance(after, tuple):

@@ -24,6 +24,7 @@ from app.picture.picture import Picture
 from llsrbm.look.collision_visuals import collision_visuals
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import LinkVisual, link_visuals, needs_preparation
+from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 
 KEPT = 4  # Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser
@@ -251,14 +252,21 @@ class ContactShadow(Drawing):
             self._disc = self.scene.add_glb(
                 "/below", gltf.soft_disc(), cast_shadow=False, receive_shadow=False
             )
-        below = tops_under(picture.blocks, frames.com, frames.time, picture.ground)
-        across = np.ptp(around_default(robot)[..., :2], axis=(0, 1, 2)) * [_LONG, _WIDE]
-        larger = 1 + _SPREADS * np.maximum(frames.com[:, 2] - below - robot.com[2], 0.0)
-        size = np.column_stack([larger * across[0], larger * across[1], np.ones(len(larger))])
-        position = np.column_stack([frames.com[:, :2], below + _ABOVE_GROUND])
-        track = Track((self._disc.name,), position, frames.yaw_wxyz, size)
+        track = shadow_track(self._disc.name, robot, frames, picture.blocks, picture.ground)
         return [AnimationChannel(frames.time, (track,))]
 
     def show(self, *, visible: bool) -> None:
         if self._disc is not None:
             self._disc.visible = visible
+
+
+def shadow_track(
+    name: str, robot: Robot, frames: ShownMotion, blocks: Sequence[Block], ground: float
+) -> Track:
+    """A disc's way below a robot: larger the higher it is above what is there."""
+    below = tops_under(blocks, frames.com, frames.time, ground)
+    across = np.ptp(around_default(robot)[..., :2], axis=(0, 1, 2)) * [_LONG, _WIDE]
+    larger = 1 + _SPREADS * np.maximum(frames.com[:, 2] - below - robot.com[2], 0.0)
+    size = np.column_stack([larger * across[0], larger * across[1], np.ones(len(larger))])
+    position = np.column_stack([frames.com[:, :2], below + _ABOVE_GROUND])
+    return Track((name,), position, frames.yaw_wxyz, size)

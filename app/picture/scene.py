@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 
-import numpy as np
 import viser
 
-from app.motion.clip import AnimationChannel, CameraTarget, Clip, Track
+from app.motion.clip import AnimationChannel, Clip, Track
 from app.picture.blocks import Blocks
 from app.picture.drawing import Drawing, Overlay
 from app.picture.lighting import Lighting
 from app.picture.overlays import OVERLAYS
 from app.picture.picture import Picture, changed_parts
 from app.picture.robot_nodes import ContactShadow, SolidRobot
+from app.picture.row import Row
 from llsrbm.mechanics import Array
 
 
@@ -29,11 +28,13 @@ class Scene:
         self._drawn = Picture()
         scene = client.scene
         self._robot = SolidRobot(scene)
+        self._row = Row(scene)  # of those that are compared
         self._always: tuple[Drawing, ...] = (
             Lighting(scene),
             self._robot,
             ContactShadow(scene),
             Blocks(scene),
+            self._row,
         )
         self._overlays: dict[str, Overlay] = {}
         self._channels: dict[Drawing, Sequence[AnimationChannel]] = {}
@@ -84,16 +85,9 @@ class Scene:
         channels = _joined(channel for part in self._channels.values() for channel in part)
         end = max((float(channel.time[-1]) for channel in channels), default=0.0)
         parts = tuple(part.plain for part in self._robot.robot_parts)
-        return Clip(channels, end, camera_target=self._camera_target(), parts=parts)
-
-    def _camera_target(self) -> CameraTarget | None:
-        """Target around the robot that is shown and those that stand beside it."""
-        target = self._robot.camera_target
-        ways = [ghost.beside for ghost in self._drawn.ghosts]
-        if target is None or not any(ways) or "ghost" not in self._drawn.layers:
-            return target
-        places = [target.points + np.array([0.0, way, 0.0]) for way in (0.0, *ways)]
-        return replace(target, points=np.concatenate(places))
+        return Clip(
+            channels, end, camera_target=self._row.seen_by(self._robot.camera_target), parts=parts
+        )
 
 
 def _joined(channels: Iterable[AnimationChannel]) -> tuple[AnimationChannel, ...]:

@@ -83,6 +83,14 @@ def pinned_layer(
     return Layer(title, colour, motion, rollout, pinned=True, dash=dash)
 
 
+def contending_layers(
+    name: str, colour: Rgb, planned: PlannedMotion, rollout: Rollout, *, pinned: bool
+) -> tuple[Layer, ...]:
+    """One of several ways to make a jump: its plan and its simulation, in its colour."""
+    plan = Layer(f"{name}, plan", colour, planned, None, pinned=pinned, dash=_PLAN_DASH)
+    return (plan, Layer(name, colour, planned, rollout, pinned=pinned))
+
+
 class Role(Enum):
     """Meaning of a line of a chart."""
 

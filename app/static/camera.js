@@ -130,7 +130,8 @@
   function look(name, smoothly = true) {
     if (!cameraTarget || missing().length) return;
     const { place, target } = name === "all" && cameraTarget.camera
-      ? placed(cameraTarget) : fit(cameraTarget, VIEWS[name]);
+      ? placed(cameraTarget)
+      : fit(cameraTarget, (name === "all" && cameraTarget.direction) || VIEWS[name]);
     const [from, at] = [rooted(place), rooted(target)];
     const control = viewer().cameraControl;
     // viser: `setLookAt` without a transition seems to break later ones.
@@ -220,7 +221,8 @@
       listensTo.addEventListener("controlstart", () => (moved = true));
       listensTo.addEventListener("update", () => window.llsrbm.parts?.look());
     }
-    if (cameraTarget.follow !== framed?.follow) look("all", false);
+    const alike = (name) => String(cameraTarget[name]) === String(framed?.[name]);
+    if (!alike("follow") || !alike("direction")) look("all", false);
     else if (!moved && !follows && !inSight(cameraTarget)) look("all");
   }
 

@@ -5,6 +5,7 @@ Importing the features registers their handlers in `app.tab.acts`.
 
 from app.tab import (
     atlas,
+    comparing,
     comparison,
     design,
     files,
@@ -20,6 +21,7 @@ from app.tab.start import opening, preferences
 __all__ = [
     "answers",
     "atlas",
+    "comparing",
     "comparison",
     "design",
     "files",

@@ -1,4 +1,4 @@
-"""Designs and motions that are kept beside the present one; a push simulated twice."""
+"""Designs and motions that are kept beside the present one."""
 
 from __future__ import annotations
 
@@ -9,14 +9,8 @@ from app.panel.acts import Act
 from app.tab.acts import Step, on, reads
 from app.tab.design import choose_design
 from app.tab.effects import Notify
-from app.tab.planning.requests import plan_design, remember
-from app.tab.pushing import replay_start
-from app.tab.simulating import simulate
-from app.tab.state import Comparison, Pin, TabState, free_colour
+from app.tab.state import Pin, TabState, free_colour
 from llsrbm.request.design import Design
-from llsrbm.request.jump import FREE, HELD, Jump
-
-_SIMPLE = "srbm"  # The model that others are compared with; it is compared with the default one
 
 
 @dataclass(frozen=True)
@@ -28,10 +22,6 @@ class PinChosen:
 
 def _has_pins(state: TabState) -> bool:
     return bool(state.pins)
-
-
-def _is_pushed(state: TabState) -> bool:
-    return bool(state.design.scenario.pushes)
 
 
 @on(
@@ -91,58 +81,3 @@ def use_pinned(state: TabState) -> Step:
         body = "Imported motions have no design to use."
         return state, (Notify("Not used", body),)
     return choose_design(state, design)
-
-
-# ---- simulated twice
-
-
-@on(Act.COMPARE_REPLANNING, visible=_is_pushed)
-def compare_replanning(state: TabState) -> Step:
-    """Simulate with and without replanning, and play both side by side."""
-    return _compare(state, Comparison("replanning"))
-
-
-@on(Act.COMPARE_MODEL, visible=_is_pushed)
-def compare_model(state: TabState) -> Step:
-    """Simulate plans of two models, and play both side by side."""
-    return _compare(state, Comparison("model"))
-
-
-@on(Act.COMPARE_ARMS, visible=lambda state: _is_pushed(state) and bool(state.file.arms))
-def compare_arms(state: TabState) -> Step:
-    """Simulate plans with free and with held arms, and play both side by side."""
-    return _compare(state, Comparison("arms"))
-
-
-def _compare(state: TabState, comparison: Comparison) -> Step:
-    """Simulate the design, unless that simulation is shown, and then with the one change."""
-    if state.plan is None or state.planning or not state.ready:
-        return state, (Notify("Not compared", "There is no plan yet."),)
-    if free_colour(state.pins) is None:
-        body = "No more can be pinned: unpin one in the tab Results first."
-        return state, (Notify("Not compared", body),)
-    shown, rollout, design = state.shown, state.rollout, state.design
-    simulated = shown and rollout and (shown.request, shown.plan.tuning, rollout.scenario)
-    if simulated == (design.jump, design.tuning, design.scenario):
-        return go_on(state, comparison)
-    return simulate(state.with_work(compare=comparison))
-
-
-@on(Comparison)
-def go_on(state: TabState, comparison: Comparison) -> Step:
-    """Pin the simulation that is shown, and simulate the other one."""
-    state, design = pin(state).with_work(compare=None), state.design
-    if comparison.by == "replanning":
-        scenario = replace(design.scenario, replan=not design.scenario.replan)
-        state = remember(state, replace(design, scenario=scenario), settled=True)
-        state, effects = simulate(state)
-        return state.with_work(replay_from=replay_start(state)), effects
-    changed = replace(design, jump=_changed(design.jump, comparison), title="", note="")
-    state, effects = plan_design(remember(state, changed, settled=True))
-    return state.with_work(simulate_next=0, replay_from=replay_start(state)), effects
-
-
-def _changed(jump: Jump, comparison: Comparison) -> Jump:
-    if comparison.by == "arms":
-        return replace(jump, arms=HELD if jump.arms == FREE else FREE)
-    return replace(jump, model=Jump.model if jump.model == _SIMPLE else _SIMPLE)

@@ -142,7 +142,8 @@ def redo(state: TabState) -> Step:
 
 def _go(state: TabState, design: Design, history: History) -> Step:
     state = state.without_sequel().with_work(instead="")
-    return plan_or_keep(replace(state, design=design, history=history, note=design.note))
+    state = replace(state, design=design, history=history, note=design.note, comparing=None)
+    return plan_or_keep(state)
 
 
 # ---- what is drawn of it

@@ -34,6 +34,7 @@ class Queue(Enum):
     OPEN = "open"
     SAVE = "save"
     CHECK = "check"
+    COMPARE = "compare"
 
 
 # ---- events that come of effects

@@ -11,7 +11,8 @@ from app.tab.acts import Step, on, reads, submit_beside
 from app.tab.effects import Download, Notify, Queue, Reported, Stop
 from app.tab.planning.requests import plan_design, remember
 from app.tab.showing import show_given
-from app.tab.state import Given, Pin, TabState, free_colour
+from app.tab.shown import Given
+from app.tab.state import Pin, TabState, free_colour
 from app.workers import reports, tasks
 from app.workers.opened_file import OpenedFile, States
 from llsrbm.errors import Error

@@ -10,6 +10,7 @@ from app.plots.charts import shown_layers
 from app.plots.readings import reading, rows_of
 from app.tab.acts import Step, on, submit_beside
 from app.tab.effects import Queue, Reported, ShowPart
+from app.tab.plotting import choose_plots
 from app.tab.state import Check, TabState
 from app.workers import reports, tasks
 from llsrbm.certificate import stated
@@ -22,10 +23,10 @@ from llsrbm.motion.rollout import Rollout
 @on(PartAsked)
 def read_part(state: TabState, event: PartAsked) -> Step:
     """Say what a part does over the whole motion."""
-    shown, robot = state.shown, state.robot
+    shown, robot = state.seen, state.robot
     if shown is None or robot is None or not state.ready:
         return state, ()
-    layers = shown_layers(shown.planned, state.rollout)
+    layers = shown_layers(shown.planned, shown.rollout)
     return state, (ShowPart(reading(event.part, robot, layers)),)
 
 
@@ -37,9 +38,9 @@ def plot_part(state: TabState, event: PartPlotted) -> TabState:
     charts = [*rows_of(event.part, state.robot).values()]
     if event.row >= len(charts):
         return state
-    offered = state.plots.offered
-    plots = replace(state.plots, offered=charts[event.row], open=True).with_offered()
-    return replace(state, plots=replace(plots, offered=offered))
+    offered = state.plots_seen.offered
+    plots = replace(state.plots_seen, offered=charts[event.row], open=True).with_offered()
+    return choose_plots(state, replace(plots, offered=offered))
 
 
 # ---- the certificate: it takes a second, and is made when it is asked for

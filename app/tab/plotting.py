@@ -8,9 +8,16 @@ from app.link import ChartDropped
 from app.motion.baked import ForeignMotion
 from app.panel.acts import Act
 from app.panel.jump_controls import titled
-from app.plots.charts import Layer, charts, csv_of, pinned_layer, shown_layers
+from app.plots.charts import (
+    Layer,
+    charts,
+    contending_layers,
+    csv_of,
+    pinned_layer,
+    shown_layers,
+)
 from app.plots.choice import MOST_CHARTS, PlotChoice
-from app.tab.acts import Step, keeps, on, reads
+from app.tab.acts import Step, on, reads
 from app.tab.effects import Download
 from app.tab.state import TabState
 from llsrbm.look.titles import Decisions, titles_of
@@ -35,8 +42,23 @@ def titles(state: TabState) -> tuple[str, ...]:
 
 
 def layers_of(state: TabState) -> tuple[Layer, ...]:
-    """Everything plotted, in the order in which it is drawn: pins, plan, simulation."""
-    shown = state.shown
+    """Everything plotted, in the order in which it is drawn: pins, plan, simulation.
+
+    Of ways that are compared each one's plan and simulation.
+    """
+    shown, comparing = state.shown, state.comparing
+    if comparing is not None and comparing.last is not None:
+        return tuple(
+            layer
+            for each in comparing.present
+            for layer in contending_layers(
+                each.name,
+                each.colour,
+                each.solid.planned,
+                each.simulated.rollout,
+                pinned=each is not comparing.last,
+            )
+        )
     if shown is None:
         return ()
     _, *names = titles(state)
@@ -47,32 +69,42 @@ def layers_of(state: TabState) -> tuple[Layer, ...]:
     return (*pins, *shown_layers(shown.planned, shown.rollout))
 
 
-reads(Act.PLOTS, lambda state, panel: panel.plots.fields.read(state.plots, ()))
-reads(Act.PLOT_AREA, lambda state, panel: (panel.plots.read_area(state.plots), []))
-keeps(PlotChoice, "plots")
+reads(Act.PLOTS, lambda state, panel: panel.plots.fields.read(state.plots_seen, ()))
+reads(Act.PLOT_AREA, lambda state, panel: (panel.plots.read_area(state.plots_seen), []))
+
+
+@on(PlotChoice)
+def choose_plots(state: TabState, choice: PlotChoice) -> TabState:
+    """Plot other charts; those of a comparison are its own."""
+    comparing = state.comparing
+    if comparing is None or comparing.last is None:
+        return replace(state, plots=choice)
+    plots = replace(state.plots, open=choice.open)
+    return replace(state, comparing=replace(comparing, plots=choice), plots=plots)
 
 
 @on(
     Act.ADD_CHART,
     enabled=lambda state: (
-        state.plots.offered not in state.plots.charts and len(state.plots.charts) < MOST_CHARTS
+        state.plots_seen.offered not in state.plots_seen.charts
+        and len(state.plots_seen.charts) < MOST_CHARTS
     ),
 )
 def add_chart(state: TabState) -> TabState:
     """Plot the chart that is on offer, too."""
-    return replace(state, plots=state.plots.with_offered())
+    return choose_plots(state, state.plots_seen.with_offered())
 
 
-@on(Act.REMOVE_CHART, enabled=lambda state: bool(state.plots.charts))
+@on(Act.REMOVE_CHART, enabled=lambda state: bool(state.plots_seen.charts))
 def remove_chart(state: TabState) -> TabState:
     """Plot a chart no more."""
-    return replace(state, plots=state.plots.without_removed())
+    return choose_plots(state, state.plots_seen.without_removed())
 
 
 @on(ChartDropped)
 def join_charts(state: TabState, event: ChartDropped) -> TabState:
     """Draw a chart's signals in the chart that they were dropped onto."""
-    choice = state.plots
+    choice = state.plots_seen
     shown = {chart.heading: chart.source for chart in charts(choice, layers_of(state))}
     source = choice.offered if event.chart is None else shown.get(event.chart)
     onto = shown.get(event.onto)
@@ -80,14 +112,14 @@ def join_charts(state: TabState, event: ChartDropped) -> TabState:
         return state
     if onto not in choice.charts or (event.chart and source not in choice.charts):
         choice = replace(choice, charts=tuple(shown.values()))  # a chart each, one by one
-    return replace(state, plots=choice.with_joined(source, onto))
+    return choose_plots(state, choice.with_joined(source, onto))
 
 
 @on(
     Act.SAVE_LINES,
-    enabled=lambda state: state.shown is not None and bool(state.plots.charts),
+    enabled=lambda state: state.seen is not None and bool(state.plots_seen.charts),
 )
 def save_lines(state: TabState) -> Step:
     """Send the lines that are shown as a table."""
-    content = csv_of(layers_of(state), state.plots)
+    content = csv_of(layers_of(state), state.plots_seen)
     return state, (Download("plots.csv", content),)

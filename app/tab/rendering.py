@@ -15,14 +15,16 @@ from app.panel.comparison import Column
 from app.panel.panel import Panel
 from app.panel.view_controls import configure_theme
 from app.picture.landing_handle import LandingHandle
+from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.picture.overlays.landing_marks import LandingMarks
-from app.picture.picture import Picture
+from app.picture.picture import Picture, Standing
 from app.picture.push_handle import PushHandle
 from app.picture.scene import Scene
 from app.plots.charts import Layer
 from app.plots.plots import Plots
 from app.tab.acts import is_enabled, is_visible
 from app.tab.atlas import AtlasDrawing, Atlases
+from app.tab.contenders import Comparing, Contender, card
 from app.tab.planning.feasible import Tint
 from app.tab.plotting import layers_of, titles
 from app.tab.pushing import push_shown
@@ -114,6 +116,8 @@ class Rendering:
         """Set what the panel shows; viser sends what has changed of it."""
         panel, design = self.panel, state.design
         panel.show_status(status_of(state))
+        if self._changed("comparing", state.comparing):
+            self._link.call("compare.show", card(state.comparing))
         for act, button in panel.buttons.items():
             button.disabled = not is_enabled(act, state)
             button.visible = is_visible(act, state)
@@ -152,41 +156,50 @@ class Rendering:
     def _draw_picture(self, state: TabState, picture: Picture) -> None:
         clip = self._scene.draw(picture)
         if clip is not None:
-            shown = state.shown
+            shown = state.seen
             if shown is not None:
                 clip = replace(clip, request=shown.request.as_dict())
-            events = None if shown is None else timeline(shown.plan, state.rollout)
+            events = None if shown is None else timeline(shown.plan, shown.rollout)
             # A motion that is pinned may go on when the one that is shown stands.
             self._link.load(clip, events and replace(events, end=max(events.end, clip.end)))
-        if self._changed("remark", state.remark):
-            self._link.call("remark.show", state.remark)
+        remark = "" if state.comparing else state.remark
+        if self._changed("remark", remark):
+            self._link.call("remark.show", remark)
         robot = state.robot if state.ready else None
-        visible = LandingMarks.name in state.view.layers and state.shown is not None
+        visible = LandingMarks.name in picture.layers and state.shown is not None
         appears = self.handle.draw(state.design.jump, robot, visible=visible)
-        if self._push.draw(push_shown(state)) or appears:
+        if self._push.draw(None if picture.row else push_shown(state)) or appears:
             self._link.call("player.settle")
 
     # ---- numbers and curves
 
     def _draw_numbers(self, state: TabState) -> None:
-        shown, last = state.shown, self._last
-        wanted = (state.pins, state.pin_chosen, state.beside, state.plots)
+        shown, last = state.seen, self._last
+        plots = state.plots_seen
+        wanted = (state.pins, state.pin_chosen, state.beside, state.comparing, plots)
         if state.planning and shown is not None and wanted == last.get("numbers"):
             return  # the next plan follows soon: only what is seen at a glance is drawn
         last["numbers"] = wanted
-        if self._changed("compared", (shown, state.pins, state.pin_chosen, state.beside)):
+        of_pins = (state.pins, state.pin_chosen, state.beside)
+        if self._changed("compared", (shown, state.comparing, of_pins)):
             self._layers = layers_of(state)
             self._compare(state)
-        end = 0.0 if shown is None else float(timeline(shown.plan, state.rollout).end)
+        end = 0.0 if shown is None else float(timeline(shown.plan, shown.rollout).end)
         area_open = self.panel.plots.area_open
-        layers = self._plots.draw(self._layers, end, state.plots, area_open=area_open)
-        self.panel.plots.fields.show(state.plots, layers)
+        layers = self._plots.draw(self._layers, end, plots, area_open=area_open)
+        self.panel.plots.fields.show(plots, layers)
 
     def _compare(self, state: TabState) -> None:
-        shown = state.shown
+        shown, comparing = state.seen, state.comparing
         if shown is None:
             self.panel.show_figures(None, None)
             self.panel.comparison.show(None, (), -1)
+            self._show_chips([], state)
+            return
+        if comparing is not None and comparing.last is not None:
+            self.panel.show_figures(shown.plan, shown.rollout)
+            last, *others = [_column(each) for each in reversed(comparing.present)]
+            self.panel.comparison.show(last, others, -1)
             self._show_chips([], state)
             return
         rollout = shown.rollout
@@ -211,24 +224,64 @@ class Rendering:
 
 def picture_of(state: TabState) -> Picture:
     """The picture of a state."""
-    shown, view = state.shown, state.view
+    shown, view, comparing = state.seen, state.view, state.comparing
+    solid = None if shown is None else shown.solid
+    compared = comparing is not None and comparing.last is not None
+    row = _compared(comparing) if comparing and compared else _pinned_beside(state)
     return Picture(
         robot=state.robot,
         planned=None if shown is None else shown.planned,
-        simulated=None if shown is None else shown.solid,
-        rollout=state.rollout,
-        pushes=state.pushes,
+        simulated=solid,
+        rollout=None if shown is None else shown.rollout,
+        pushes=() if compared else state.pushes,
         blocks=() if shown is None else shown.blocks,
-        ghosts=tuple(
-            replace(pin.ghost, place=place if state.beside else 0)
-            for place, pin in enumerate(state.pins, start=1)
-        ),
-        layers=view.layers,
+        ghosts=() if row else tuple(pin.ghost for pin in state.pins),
+        row=row,
+        layers=view.layers & _OF_ROWS if compared else view.layers,
         target=state.design.jump,
         night=view.night,
         fine=state.fine,
         prepared=state.prepared,
     )
+
+
+_OF_ROWS = frozenset({InertiaEllipsoids.name})  # overlays that every robot of a row has
+
+
+def _compared(comparing: Comparing) -> tuple[Standing, ...]:
+    return tuple(
+        Standing(
+            each.name,
+            each.solid.planned.motion.robot,
+            each.simulated.frames,
+            each.solid.planned.frames,
+            each.colour,
+            each.solid.blocks,
+        )
+        for each in comparing.present
+    )
+
+
+def _pinned_beside(state: TabState) -> tuple[Standing, ...]:
+    """The robot that is shown, and those that are pinned; none where they are not side by side."""
+    shown = state.shown
+    if not (state.beside and state.pins) or shown is None or state.robot is None:
+        return ()
+    first, *names = titles(state)
+    planned = shown.planned.frames
+    colour = colours.PLANNED if shown.solid is None else colours.SIMULATED
+    standing = Standing(first, state.robot, shown.solid or planned, planned, colour, shown.blocks)
+    pins = (
+        Standing(name, pin.ghost.robot, pin.ghost.frames, pin.motion.frames, pin.colour)
+        for name, pin in zip(names, state.pins, strict=True)
+    )
+    return (standing, *pins)
+
+
+def _column(contender: Contender) -> Column:
+    shown = contender.solid
+    figures = figures_of_plan(shown.plan, shown.rollout)
+    return Column(contender.name, contender.colour, figures, _recovered(shown.rollout))
 
 
 def _recovered(rollout: Rollout | None) -> bool | None:

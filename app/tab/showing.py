@@ -10,7 +10,8 @@ from app.panel.file_controls import SIMULATION
 from app.panel.status import Verdict
 from app.tab.acts import Step, played_first
 from app.tab.effects import Effect, Keep, LoadRobot
-from app.tab.state import Given, Shown, TabState
+from app.tab.shown import Given, Shown
+from app.tab.state import TabState
 from app.workers import reports
 from llsrbm.analysis.wording import worst_violation
 from llsrbm.motion.plan import Plan
@@ -74,6 +75,7 @@ def show_given(state: TabState, given: Given) -> Step:
     work = state.work
     dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
     state = replace(state.without_sequel(), given=None, note=given.note or state.note)
+    state = replace(state, comparing=None)
     state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging)
     state = show_plan(state, plan, robot, given.source)
     if given.rollout is not None:

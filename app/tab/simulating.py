@@ -9,7 +9,7 @@ from app.motion.baked import frames_so_far
 from app.panel import summaries
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
-from app.tab.acts import Step, also, on, reads, submit, update
+from app.tab.acts import Step, also, on, reads, submit
 from app.tab.effects import Keep, Notify, Play, Reported, Seek
 from app.tab.showing import ended, show_rollout
 from app.tab.state import Seeds, TabState
@@ -27,6 +27,7 @@ _AHEAD = 0.05  # s by which a simulation has to be ahead of a replay that begins
 def simulate(state: TabState, seeds: int = 0) -> Step:
     """Simulate the plan that is shown or awaited, with so many seeds; 0: once, as designed."""
     plan, scenario = state.plan, state.design.scenario
+    state = replace(state, comparing=None)
     if state.ready and state.planning:
         return state.with_work(simulate_next=seeds), ()
     if not state.ready or plan is None:
@@ -59,8 +60,7 @@ def take_simulation(state: TabState, event: Reported) -> Step:
                 return state, ()
             took = rollout.duration / (rollout.outcome.real_time_factor or math.inf)
             state = replace(state, simulated_in=took)
-            follow_up = state.work.compare
-            return replay(state) if follow_up is None else update(state, follow_up)
+            return replay(state)
     return ended(state, report, "The plan is still there."), ()
 
 
@@ -91,7 +91,7 @@ def simulate_again(state: TabState) -> Step:
     shown, awaited = state.shown, state.work.awaited
     if not state.automatic or not state.ready or shown is None or not shown.plan.solved:
         return state, ()
-    if state.planning or isinstance(awaited, tasks.SimulateSeeds):
+    if state.comparing or state.planning or isinstance(awaited, tasks.SimulateSeeds):
         return state, ()
     if awaited is None and shown.simulated is not None and not state.outdated:
         return state, ()

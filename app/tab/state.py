@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 from app.motion import colours
 from app.motion.baked import ForeignMotion, PlannedMotion, SimulatedMotion
@@ -21,78 +21,22 @@ from app.panel.status import SeedResult, Status, Verdict
 from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice
+from app.tab.contenders import Comparing
 from app.tab.planning.dragging import DragPlanning
+from app.tab.shown import Given, Shown
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.atlas.feasible import Feasible
 from llsrbm.certificate import Certificate
-from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.surroundings import Block
 from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump, changes
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.robots import Robot, RobotFile
 
 QUICK = 2.0
 """s; a simulation that takes no longer is begun after every change, unless that is switched off."""
-
-
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """The motion that is shown."""
-
-    planned: PlannedMotion  # the plan, ready to be drawn
-    simulated: SimulatedMotion | None = None  # the simulation that followed it
-    scenario: Scenario | None = None  # for which it was asked
-    so_far: ShownMotion | None = None  # frames of the simulation that is running
-    blocks: tuple[Block, ...] = ()  # what stands around
-    source: str = ""  # where it is from, in words, if not from this tab's own planning
-    # the request to which it is the nearest that can be planned; None: it does what was asked for
-    wanted: Jump | None = None
-    reason: str = ""  # why not that, in one sentence
-    centroidal: Plan | None = None  # of which the plan is the refinement; None: it is none
-
-    @property
-    def request(self) -> Jump:
-        """The request that it answers."""
-        return self.wanted or self.plan.jump
-
-    @property
-    def remark(self) -> str:
-        """In which way it is not the jump that was asked for, in words; "" if it is."""
-        if not self.plan.solved:
-            return "Not feasible: where the planner stopped"
-        if self.wanted is None:
-            return ""
-        return f"Nearest: {changes(self.wanted, self.plan.jump) or 'all but the same'}"
-
-    @property
-    def plan(self) -> Plan:
-        """The plan."""
-        return self.planned.plan
-
-    @property
-    def rollout(self) -> Rollout | None:
-        """The simulation."""
-        return None if self.simulated is None else self.simulated.rollout
-
-    @property
-    def solid(self) -> ShownMotion | None:
-        """The motion of the robot that follows the plan; None: the plan alone is shown."""
-        return self.so_far if self.simulated is None else self.simulated.frames
-
-
-@dataclass(frozen=True, eq=False)
-class Given:
-    """A motion that is there already: it is shown when its robot can be drawn, without planning."""
-
-    plan: Plan  # to show
-    rollout: Rollout | None = None  # that followed it
-    source: str = ""  # where both are from, in words; "": the tab's own planning
-    note: str = ""  # on the file that holds them
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,13 +81,6 @@ def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:
     return next((colour for colour in colours.PINNED if colour not in taken), None)
 
 
-@dataclass(frozen=True)
-class Comparison:
-    """The design simulated twice with one change: with and without replanning, model or arms."""
-
-    by: Literal["replanning", "model", "arms"]
-
-
 @dataclass(frozen=True, eq=False)
 class Work:
     """The tab's jobs on its motion: of the newest everything counts, of older ones only plans."""
@@ -159,8 +96,6 @@ class Work:
     # s, from where the simulation that is awaited shall be played, as soon as there is something to
     # see; None: where the page stands
     replay_from: float | None = None
-    # the design is simulated again so once it has been simulated; an event then
-    compare: Comparison | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,6 +171,8 @@ class TabState:
     pins: tuple[Pin, ...] = ()  # what is compared
     pin_chosen: int = -1  # number of the chosen one, -1: none
     beside: bool = False  # their robots stand beside the one that is shown, else where they are
+    # the jump made in several ways, in place of the motion that is shown; None: it is not compared
+    comparing: Comparing | None = None
     playback: Playback = field(default_factory=Playback)  # playback, view, plots: how it is shown
     view: View = field(default_factory=View)
     dark: bool = False  # the visitor's system is
@@ -254,6 +191,18 @@ class TabState:
     tickets: int = 0  # jobs so far; the next one gets the next number
     note: str = ""  # on what was opened or chosen, beside the examples
     page: bool = False  # the page's scripts have answered
+
+    @property
+    def seen(self) -> Shown | None:
+        """The motion in the picture: the one that is shown, or one of those that are compared."""
+        compared = None if self.comparing is None else self.comparing.last
+        return self.shown if compared is None else compared.shown
+
+    @property
+    def plots_seen(self) -> PlotChoice:
+        """The charts of the motion in the picture."""
+        comparing = self.comparing
+        return self.plots if comparing is None or comparing.last is None else comparing.plots
 
     @property
     def plan(self) -> Plan | None:
@@ -341,4 +290,4 @@ class TabState:
 
     def without_sequel(self) -> TabState:
         """With nothing to follow the plan or the simulation that is awaited."""
-        return self.with_work(simulate_next=None, replay_from=None, compare=None)
+        return self.with_work(simulate_next=None, replay_from=None)

@@ -191,6 +191,11 @@ class Talk:
         """Report `SimulatedSoFar`."""
         self.send(SimulatedSoFar(self.job, share, time, qpos))
 
+    def briefly(self, report: Report) -> None:
+        """Report what is not the motion so far."""
+        if not isinstance(report, SimulatedSoFar):
+            self.send(report)
+
     def cancelled(self) -> bool:
         """Whether the job shall stop."""
         return bool(self.stop.value == self.job)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, ClassVar
 
@@ -51,16 +51,17 @@ class Kind(Enum):
     QUICK_EXPORT = "quick export"
     READ = "read"
     CHECK = "check"
+    COMPARE = "compare"
 
     @property
     def long(self) -> bool:
         """Whether it may last seconds, and keeps away from the reserved process."""
-        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.READ, Kind.CHECK)
+        return self is Kind.READ or self.gives_way
 
     @property
     def gives_way(self) -> bool:
         """Whether it is stopped at once when its tab requests something newer."""
-        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.CHECK)
+        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.CHECK, Kind.COMPARE)
 
 
 class Task(ABC):
@@ -171,6 +172,30 @@ class SimulateSeeds(Task):
     @property
     def parts(self) -> tuple[Task, ...]:
         return tuple(SimulateJump(self.plan, self.scenario.but(seed=s)) for s in self.seeds)
+
+
+@dataclass(frozen=True, eq=False)
+class TryWay(Task):
+    """Make a jump in one of several ways: plan it, unless that is done, and follow the plan."""
+
+    jump: Jump  # the request
+    tuning: Tuning
+    scenario: Scenario
+    plan: Plan | None = None  # a solved one
+    kind = Kind.COMPARE
+
+    @property
+    def needs(self) -> Hashable:
+        return solver_of(self.jump) if self.plan is None else None
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        plan = self.plan
+        if plan is None:
+            found = PlanJump(self.jump, self.tuning).work(planner, talk)
+            if not isinstance(found, Planned):
+                return found
+            plan = found.plan
+        return SimulateJump(plan, self.scenario).work(planner, replace(talk, send=talk.briefly))
 
 
 @dataclass(frozen=True, eq=False)

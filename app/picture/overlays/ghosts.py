@@ -37,7 +37,7 @@ class Ghosts(Overlay):
     hint = "The plan beside its simulation, and what is pinned, where they are 2 cm apart or more."
     place = 50
     at_first = True
-    parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared"})
+    parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared", "row"})
     needs_motion = False
 
     @classmethod
@@ -59,15 +59,12 @@ class Ghosts(Overlay):
         for ghost in picture.ghosts:
             nodes = self._pins.take(ghost.robot, ghost=ghost.colour)
             self._pinned.append(nodes)
-            frames = ghost.frames
-            if ghost.beside:
-                place = frames.body_position + np.array([0.0, ghost.beside, 0.0])
-                frames = replace(frames, body_position=place)
-            channels.append(_beside(picture, nodes, frames))
-        if picture.robot is not None and picture.planned is not None and picture.simulated:
+            channels.append(_beside(picture, nodes, ghost.frames))
+        planned = None if picture.row else picture.planned
+        if picture.robot is not None and planned is not None and picture.simulated:
             nodes = self._plans.take(picture.robot, ghost=colours.PLANNED)
             self._plan.append(nodes)
-            channels.append(_beside(picture, nodes, picture.planned.frames))
+            channels.append(_beside(picture, nodes, planned.frames))
         return channels
 
     def show(self, *, visible: bool) -> None:

@@ -48,8 +48,9 @@ class InertiaEllipsoids(Overlay):
     )
     place = 10
     at_first = True
+    parts = frozenset({"robot", "planned", "simulated", "row"})
 
-    _drawn: dict[str, _Ellipsoid] | None = None
+    _drawn: dict[str, Ellipsoid] | None = None
     _there: Collection[str] = ()
 
     @classmethod
@@ -61,11 +62,14 @@ class InertiaEllipsoids(Overlay):
         return colours.PLANNED, colours.SIMULATED, *third
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
+        self._there = ()
+        if picture.row:  # each of them has one (`app.picture.row`)
+            return ()
         _, planned, solid = picture.motion
         simulated = picture.simulated
         if self._drawn is None:
             self._drawn = {
-                name: _Ellipsoid(self.scene, f"/ellipsoid/{name}", colour, surface=name == _PLANNED)
+                name: Ellipsoid(self.scene, f"/ellipsoid/{name}", colour, surface=name == _PLANNED)
                 for name, colour in _COLOURS.items()
             }
         frames = planned.frames
@@ -88,11 +92,11 @@ class InertiaEllipsoids(Overlay):
             ellipsoid.show(visible=visible and name in self._there)
 
 
-class _Ellipsoid:
+class Ellipsoid:
     """Rings about the principal axes, with or without a translucent surface."""
 
     def __init__(self, scene: viser.SceneApi, name: str, colour: Rgb, *, surface: bool) -> None:
-        self._frame = scene.add_frame(name, show_axes=False)
+        self.frame = scene.add_frame(name, show_axes=False)
         wires = scene.add_line_segments(
             f"{name}/wires", _rings(), colour, thickness=_THIN, thickness_units="screen"
         )
@@ -116,7 +120,7 @@ class _Ellipsoid:
         return Track(self._nodes, position, wxyz, axes)
 
     def show(self, *, visible: bool) -> None:
-        self._frame.visible = visible
+        self.frame.visible = visible
 
 
 def _rings() -> NDArray[np.float32]:

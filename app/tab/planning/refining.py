@@ -10,8 +10,9 @@ from app.panel.status import Status, Verdict
 from app.tab.acts import Step, joined, on, reads, submit
 from app.tab.effects import Reported
 from app.tab.showing import show_given, show_plan
+from app.tab.shown import Given, Shown
 from app.tab.simulating import simulate_next
-from app.tab.state import Given, Shown, TabState
+from app.tab.state import TabState
 from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
 

@@ -126,7 +126,8 @@ def remember(state: TabState, design: Design, *, settled: bool = False) -> TabSt
         back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
         history = replace(history, back=back)
     state = state.without_sequel().with_work(instead="")
-    return replace(state, design=design, history=replace(history, forth=(), changing=changed))
+    history = replace(history, forth=(), changing=changed)
+    return replace(state, design=design, history=history, comparing=None)
 
 
 def untitled(state: TabState, jump: Jump, tuning: Tuning) -> tuple[TabState, Design]:

@@ -13,7 +13,8 @@ from app.tab.inspection import begin_check
 from app.tab.planning.dragging import REST
 from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import Rested, plan_design
-from app.tab.state import FileWork, Given, TabState
+from app.tab.shown import Given
+from app.tab.state import FileWork, TabState
 from app.workers.opened_file import OpenedFile
 from app.workers.tasks import Prepare, SimulateSeeds
 from llsrbm.motion.plan import Plan

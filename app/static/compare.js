@@ -1,0 +1,72 @@
+// A card on top of the bar below the picture: a jump made in several ways, side by side. While they are
+// tried it says how far they are; then one sentence on who turned how far, and a table of figures.
+(() => {
+  const { page, element, addToPage } = window.llsrbm;
+  const HIGH = 860; // pixels of a window from which on the table is open at first
+
+  const STYLE = `
+    #llsrbm-compare { position: relative; padding: 2px 34px 6px 2px; margin-bottom: 6px;
+      font: 13px/1.45 system-ui, sans-serif; user-select: text;
+      border-bottom: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-compare .ways { display: flex; flex-wrap: wrap; gap: 2px 14px; margin: 0; padding: 0;
+      list-style: none; align-items: center; }
+    #llsrbm-compare .ways > li { display: flex; gap: 6px; align-items: center; font-weight: 600; }
+    #llsrbm-compare .ways > .waits { opacity: 0.55; font-weight: 400; }
+    #llsrbm-compare i { width: 10px; height: 10px; border-radius: 3px; flex: none; }
+    #llsrbm-compare .busy > i { animation: llsrbm-busy 0.7s infinite alternate; }
+    @keyframes llsrbm-busy { to { opacity: 0.2; } }
+    #llsrbm-compare p { margin: 2px 0 0; max-width: 68rem; }
+    #llsrbm-compare summary { cursor: pointer; width: max-content; }
+    #llsrbm-compare table { border-spacing: 0; font-variant-numeric: tabular-nums; }
+    #llsrbm-compare :is(th, td) { text-align: right; padding: 0 0 0 1.2em; font-weight: 400; }
+    #llsrbm-compare thead th { font-weight: 600; }
+    #llsrbm-compare tbody th { text-align: left; padding-left: 0; }
+    #llsrbm-compare .close { position: absolute; top: 0; right: 0; min-width: 28px; min-height: 26px; }
+    @media (prefers-reduced-motion: reduce) { #llsrbm-compare .busy > i { animation: none; } }`;
+
+  const close = () => page.send({ kind: "comparison closed" });
+  let open = null; // whether the table is, once it was opened or closed by hand
+
+  function way({ name, colour, state }) {
+    const square = element("i");
+    square.style.background = colour;
+    return element("li", { class: state }, square, name);
+  }
+
+  function figures(ways, rows) {
+    const head = element("tr", {}, element("td"),
+      ...ways.map(({ name }) => element("th", { scope: "col" }, name)));
+    const body = rows.map(({ title, values }) => element("tr", {},
+      element("th", { scope: "row" }, title), ...values.map((text) => element("td", {}, text))));
+    const table = element("details", {}, element("summary", {}, "Figures"),
+      element("table", {}, element("thead", {}, head), element("tbody", {}, ...body)));
+    table.open = open ?? innerHeight >= HIGH;
+    table.addEventListener("toggle", () => (open = table.open));
+    return table;
+  }
+
+  const card = element("section", { id: "llsrbm-compare", "aria-label": "Comparison" });
+  card.style.display = "none";
+  addToPage(STYLE);
+  document.addEventListener("DOMContentLoaded", () =>
+    document.getElementById("llsrbm-transport").prepend(card));
+  window.addEventListener("keydown", (event) => {
+    if (event.key === "Escape" && card.contains(document.activeElement)) close();
+  });
+
+  window.llsrbm.compare = {
+    // null: nothing is compared (app/tab/contenders.py, `card`).
+    show(comparison) {
+      card.style.display = comparison ? "" : "none";
+      if (!comparison) return card.replaceChildren();
+      const { ways, note, sentence, rows } = comparison;
+      card.replaceChildren(
+        element("ul", { class: "ways", "aria-label": "Compared, from left to right" }, ...ways.map(way)),
+        element("p", { "aria-live": "polite" },
+          sentence || note || "Planning and simulating ..."),
+        ...(rows.length ? [figures(ways, rows)] : []),
+        element("button", { type: "button", class: "close", title: "Close the comparison",
+          "aria-label": "Close the comparison", onclick: close }, "✕"));
+    },
+  };
+})();
