@@ -68,7 +68,8 @@ class Row(Drawing):
             [outermost(room) + by for room, by in zip(rooms, shifts, strict=True)]
         )
         top = float(self._points[:, 2].max()) + _ABOVE
-        self._points = np.vstack([self._points, self._points + [0.0, 0.0, 2 * _ABOVE]])
+        above = np.array([0.0, 0.0, 2 * _ABOVE])
+        self._points = np.vstack([self._points, self._points + above])  # and the names
         channels: list[AnimationChannel] = []
         for place, (standing, by) in enumerate(zip(row, shifts, strict=True)):
             x, y = (standing.frames.com[0] + by)[:2]
@@ -84,7 +85,7 @@ class Row(Drawing):
         self, place: int, standing: Standing, by: Array, picture: Picture
     ) -> AnimationChannel:
         while len(self._shelves) <= place:
-            names = (f"/row/{len(self._shelves)}-{number}" for number in count(1))
+            names = map(f"/row/{len(self._shelves)}-{{}}".format, count(1))
             self._shelves.append(RobotShelf(self.scene, names))
         shelf, frames = self._shelves[place], standing.frames
         nodes = shelf.take(standing.robot, fine=picture.fine)
@@ -101,7 +102,7 @@ class Row(Drawing):
         colour, frames = standing.colour, standing.inertia
         if colour not in self._ellipsoids:
             name = f"/row-inertia/{len(self._ellipsoids)}"
-            self._ellipsoids[colour] = Ellipsoid(self.scene, name, colour, surface=True)
+            self._ellipsoids[colour] = Ellipsoid(self.scene, name, colour, surface=False)
         drawn = self._ellipsoids[colour]
         self._visible.append(drawn.frame)
         track = drawn.track(frames.com, frames.inertia_wxyz, frames.inertia_axes)

@@ -139,14 +139,14 @@ PRESETS: Mapping[str, PlotChoice] = {
 """Choices of charts that have a name."""
 
 _OF_TURNS = {
-    "yaw": _all(("inertia", "zz"), ("angular_velocity", "z"), ("base_angle", "yaw")),
-    "pitch": _all(("inertia", "yy"), ("angular_velocity", "y"), ("com", "z")),
-    "roll": _all(("inertia", "xx"), ("angular_velocity", "x"), ("com", "z")),
+    "yaw": _all(("inertia", "zz"), ("angular_velocity", "z")),
+    "pitch": _all(("inertia", "yy"), ("angular_velocity", "y")),
+    "roll": _all(("inertia", "xx"), ("angular_velocity", "x")),
 }
 
 
 def compared(axis: str) -> PlotChoice:
-    """Charts of ways to make a jump that turns about an axis: inertia, rate, and one more."""
+    """Charts of ways to make a jump that turns about an axis: inertia and rate."""
     return _OF_TURNS[axis]
 
 

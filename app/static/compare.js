@@ -2,7 +2,7 @@
 // tried it says how far they are; then one sentence on who turned how far, and a table of figures.
 (() => {
   const { page, element, addToPage } = window.llsrbm;
-  const HIGH = 860; // pixels of a window from which on the table is open at first
+  const HIGH = 1000; // pixels of a window from which on the table is open at first
 
   const STYLE = `
     #llsrbm-compare { position: relative; padding: 2px 34px 6px 2px; margin-bottom: 6px;

@@ -116,6 +116,7 @@ class PlanJump(Task):
     # a plan to start from, if it is of use for that: one of the same solver that converged
     near: Plan | None = None
     patient: bool = True  # try all there is when the quick attempts fail
+    alone: bool = False  # only quick attempts at the request itself, and no nearer jump
     kind = Kind.PLAN
 
     @property
@@ -191,7 +192,9 @@ class TryWay(Task):
     def work(self, planner: Any, talk: Talk) -> Outcome:
         plan = self.plan
         if plan is None:
-            found = PlanJump(self.jump, self.tuning).work(planner, talk)
+            found = PlanJump(self.jump, self.tuning, alone=True).work(planner, talk)
+            if not isinstance(found, Planned):  # with patience, as for the page's own plans
+                found = PlanJump(self.jump, self.tuning).work(planner, talk)
             if not isinstance(found, Planned):
                 return found
             plan = found.plan

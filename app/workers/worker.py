@@ -67,7 +67,7 @@ class LibraryPlanner:
         ):
             near = None
         # A slider that moves does not wait for a solver that has to be built first.
-        looks = self._has_nearest(task, cancelled) or task.patient
+        looks = not task.alone and (self._has_nearest(task, cancelled) or task.patient)
         how: dict[str, Any] = {
             "weights": task.tuning.weights,
             "limits": task.tuning.limits,

@@ -38,7 +38,9 @@ class Turning:
     asked: bool  # the request is to turn about it
     off: float | None  # at the first contact, beyond the plan's at its own; None: there was none
     in_flight: float | None  # of it, gained from lift-off on; None: not known
-    inertia: tuple[float, float]  # kg m2 in the plan's model: at lift-off, the least in flight
+    inertia: tuple[
+        float, float
+    ]  # kg m2 in the plan's model: at lift-off, farthest from it in flight
 
 
 @dataclass(frozen=True)
@@ -101,7 +103,7 @@ def _inertia(plan: Plan, axis: Axis) -> tuple[float, float]:
     if axis == "yaw":
         about = np.broadcast_to([0.0, 0.0, 1.0], about.shape)
     moment = np.einsum("ki,kij,kj->k", about, plan.inertia[there], about)
-    return float(moment[0]), float(moment.min())
+    return float(moment[0]), float(moment[np.argmax(np.abs(moment - moment[0]))])
 
 
 # ---- in words
@@ -180,10 +182,10 @@ def _about_model(turn: Turning) -> str:
 
 
 def _inertia_words(turn: Turning) -> str:
-    first, least = turn.inertia
-    if abs(least / first - 1) < _HELD:
+    first, farthest = turn.inertia
+    if abs(farthest / first - 1) < _HELD:
         return f"held at {decimal(first, 2)}"
-    return f"{decimal(first, 2)} → {decimal(least, 2)}"
+    return f"{decimal(first, 2)} → {decimal(farthest, 2)}"
 
 
 def _best(ways: Sequence[Way]) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from app.link import PageReady, PlaybackChosen, PlayerMoved
 from app.tab import files
 from app.tab.acts import Step, joined, on, submit, submit_beside
+from app.tab.comparing import go_on
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
 from app.tab.inspection import begin_check
 from app.tab.planning.dragging import REST
@@ -103,6 +104,9 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if state.check is not None and state.check.ticket:
         state, checked = begin_check(state, state.check.motion)
         begun = (*begun, *checked)
+    if state.comparing is not None and state.comparing.ticket:
+        state, tried = go_on(state)
+        begun = (*begun, *tried)
     if state.files.opening or state.files.saving:
         state = replace(state, files=FileWork())
         body = "The connection was lost while a file was read or written: please try again."

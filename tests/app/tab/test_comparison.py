@@ -115,9 +115,14 @@ def test_a_pins_chip_uses_its_design_and_lets_go_of_it(tab):
 
 def test_pinned_robots_stand_where_they_are_or_beside(tab):
     pin_at(tab, 0.05, 0.1)
-    assert [ghost.beside for ghost in picture_of(tab.state).ghosts] == [0.0, 0.0]
+    assert len(picture_of(tab.state).ghosts) == 2
+    assert picture_of(tab.state).row == ()
     tab.take(BesideChosen(True))
-    left, right = (ghost.beside for ghost in picture_of(tab.state).ghosts)
-    assert left == -right > 0.8
+    beside = picture_of(tab.state)
+    assert beside.ghosts == ()
+    assert beside.row[0].frames is beside.solid
+    assert [each.frames for each in beside.row[1:]] == [pin.ghost.frames for pin in tab.state.pins]
+    assert [each.colour for each in beside.row[1:]] == [pin.colour for pin in tab.state.pins]
+    assert len({each.title for each in beside.row}) == 3
     tab.take(BesideChosen(False))
-    assert [ghost.beside for ghost in picture_of(tab.state).ghosts] == [0.0, 0.0]
+    assert picture_of(tab.state).row == ()

@@ -10,13 +10,12 @@ import pytest
 from app.link import PlayerMoved, PushDragged
 from app.motion.baked import ARROW_PER_SPEED, metres_per_newton_second, trunk_com
 from app.panel.acts import Act
-from app.tab.acts import is_visible
 from app.tab.effects import Keep, Pause, Play, Seek
 from app.tab.pushing import push_shown
-from app.workers.reports import Cancelled, Simulated, SimulatedSoFar
-from app.workers.tasks import PlanJump, SimulateJump
+from app.workers.reports import SimulatedSoFar
+from app.workers.tasks import SimulateJump
 from llsrbm.request.scenario import DURATION, LARGEST_IMPULSE, Push, Scenario
-from tests.app.pure_tab import planned_tab, rollout_of
+from tests.app.pure_tab import planned_tab
 from tests.app.synthetic_plan import FLY, STAND
 
 NOTHING = Push(0.0, (0.0, 0.0, 0.0))
@@ -226,89 +225,3 @@ def test_while_anything_moves_there_is_nothing_to_drag():
     assert push_shown(tab.state) is None
     tab.finish_simulation()
     assert push_shown(tab.state) is not None
-
-
-# ---- compared
-
-
-def test_with_and_without_replanning_are_two_simulations_and_one_is_pinned():
-    tab = pushed_tab()
-    push = pushes(tab)
-    tab.take(Act.COMPARE_REPLANNING)
-    assert tab.submits[-1].task.scenario == Scenario(pushes=push)
-    tab.finish_simulation()
-    (pin,) = tab.state.pins
-    assert pin.rollout.scenario == Scenario(pushes=push)
-    assert tab.submits[-1].task.scenario == Scenario(pushes=push, replan=True)
-    tab.finish_simulation()
-    assert tab.state.rollout.scenario.replan
-    assert tab.state.design.scenario.replan
-    assert tab.of(Play)
-    assert len(tab.state.pins) == 1
-
-
-def test_what_is_simulated_already_is_not_simulated_again():
-    tab = pushed_tab(replan=True)
-    tab.take(Act.SIMULATE)
-    tab.finish_simulation()
-    before = len(tab.submits)
-    tab.take(Act.COMPARE_REPLANNING)
-    tab.finish_simulation()
-    assert [s.task.scenario.replan for s in tab.submits[before:]] == [False]
-    assert [pin.rollout.scenario.replan for pin in tab.state.pins] == [True]
-
-
-@pytest.mark.parametrize(("model", "other"), [("llsrbm-plus", "srbm"), ("srbm", "llsrbm-plus")])
-def test_another_model_is_planned_and_simulated(model, other):
-    tab = planned_tab(model=model)
-    stand_at(tab, 0.5)
-    tick_push(tab)
-    tab.take(Act.COMPARE_MODEL)
-    tab.finish_simulation()
-    task = tab.submits[-1].task
-    assert isinstance(task, PlanJump)
-    assert task.jump.model == other
-    tab.settle()
-    assert isinstance(tab.submits[-1].task, SimulateJump)
-    tab.finish_simulation()
-    assert tab.of(Play)
-    assert [pin.rollout.jump.model for pin in tab.state.pins] == [model]
-    assert tab.state.rollout.jump.model == other
-    assert tab.state.rollout.scenario.pushes == pushes(tab)
-
-
-def test_the_same_push_is_simulated_with_held_arms():
-    tab = planned_tab(robot="g1")
-    stand_at(tab, 0.5)
-    tick_push(tab)
-    assert is_visible(Act.COMPARE_ARMS, tab.state)
-    tab.take(Act.COMPARE_ARMS)
-    tab.finish_simulation()
-    assert tab.submits[-1].task.jump.arms == "held"
-    tab.settle()
-    tab.finish_simulation()
-    assert [pin.rollout.jump.arms for pin in tab.state.pins] == ["free"]
-    assert tab.state.rollout.jump.arms == "held"
-    assert not is_visible(Act.COMPARE_ARMS, pushed_tab().state)
-
-
-def test_a_full_comparison_says_so():
-    tab = pushed_tab()
-    for _ in range(3):
-        tab.take(Act.COMPARE_REPLANNING)
-        while isinstance(tab.state.work.awaited, SimulateJump):
-            tab.finish_simulation()
-    assert len(tab.state.pins) == 3
-    before = len(tab.submits)
-    tab.take(Act.COMPARE_REPLANNING)
-    assert len(tab.submits) == before
-    assert "unpin" in tab.notes()[0][1]
-
-
-def test_a_failed_first_one_ends_the_comparison():
-    tab = pushed_tab()
-    tab.take(Act.COMPARE_REPLANNING)
-    tab.report(Cancelled(0))
-    tab.take(Act.SIMULATE)
-    tab.report(Simulated(0, rollout_of(tab.state.plan)))
-    assert tab.state.pins == ()

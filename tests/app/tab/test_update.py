@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.link import PageReady, PlaybackChosen, PlayerMoved, PushDragged
+from app.link import ComparisonClosed, PageReady, PlaybackChosen, PlayerMoved, PushDragged
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import FileChoice
@@ -59,6 +59,7 @@ from app.workers.tasks import (
     RefinePlan,
     SimulateJump,
     SimulateSeeds,
+    TryWay,
 )
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
@@ -137,8 +138,10 @@ WISHES = st.one_of(
             Act.CHECK,
             Act.ROBOT_SIMULATOR,
             Act.COMPARE_REPLANNING,
-            Act.COMPARE_MODEL,
+            Act.COMPARE_MODELS,
             Act.COMPARE_ARMS,
+            Act.COMPARE_DRIVES,
+            ComparisonClosed(),
             PushDragged(0.4, 0.3, 0.0, ended=False),
             PushDragged(0.4, 0.3, -0.1, ended=True),
             Act.WORST,
@@ -198,6 +201,8 @@ def success(task, file):
             return Simulated(0, simulated(plan, scenario))
         case SimulateSeeds(plan=plan, seeds=seeds, scenario=scenario):
             return SimulatedSeeds(0, (SEED,) * len(seeds), simulated(plan, scenario))
+        case TryWay(jump=jump, tuning=tuning, scenario=scenario):
+            return Simulated(0, simulated(_plan(jump, tuning), scenario))
         case OpenFile():
             return Opened(0, file)
         case ExportMotion():
@@ -297,6 +302,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.files.opening,
             self.state.files.saving,
             self.state.check and self.state.check.ticket,
+            self.state.comparing and self.state.comparing.ticket,
         )
         before = self.state
         self.take(Reported(submit, report))
