@@ -124,7 +124,7 @@ class PinPressed:
 class ComparisonClosed:
     """The comparison was closed, done or not."""
 
-    kind: Literal["comparison closed"] = "comparison closed"
+    kind: Literal["comparison-closed"] = "comparison-closed"
 
 
 @dataclass(frozen=True, config=_FROM_PAGE)

@@ -24,7 +24,7 @@
     #llsrbm-compare .close { position: absolute; top: 0; right: 0; min-width: 28px; min-height: 26px; }
     @media (prefers-reduced-motion: reduce) { #llsrbm-compare .busy > i { animation: none; } }`;
 
-  const close = () => page.send({ kind: "comparison closed" });
+  const close = () => page.send({ kind: "comparison-closed" });
   let open = null; // whether the table is, once it was opened or closed by hand
 
   function way({ name, colour, state }) {

@@ -35,6 +35,10 @@ def _is_pushed(state: TabState) -> bool:
     return bool(state.design.scenario.pushes)
 
 
+def _has_plan(state: TabState) -> bool:
+    return state.ready and state.plan is not None and state.plan.solved and not state.planning
+
+
 @on(Act.COMPARE_MODELS, enabled=lambda state: state.ready)
 def compare_models(state: TabState) -> Step:
     """Plan the request with each model, and simulate each plan; the whole body's too, if there."""
@@ -62,7 +66,7 @@ def compare_arms(state: TabState) -> Step:
     return _begin(state, "arms", ways, [_plan_of(state, way) for _, way in ways])
 
 
-@on(Act.COMPARE_REPLANNING, enabled=lambda state: state.ready, visible=_is_pushed)
+@on(Act.COMPARE_REPLANNING, enabled=_has_plan, visible=_is_pushed)
 def compare_replanning(state: TabState) -> Step:
     """Simulate the plan without and with replanning."""
     return _compare_scenarios(
@@ -72,7 +76,7 @@ def compare_replanning(state: TabState) -> Step:
     )
 
 
-@on(Act.COMPARE_DRIVES, enabled=lambda state: state.ready)
+@on(Act.COMPARE_DRIVES, enabled=_has_plan)
 def compare_drives(state: TabState) -> Step:
     """Simulate the plan with ideal drives, and with rotors, friction and delay."""
     return _compare_scenarios(
@@ -82,7 +86,7 @@ def compare_drives(state: TabState) -> Step:
 
 def _compare_scenarios(state: TabState, by: By, changes: dict[str, dict[str, object]]) -> Step:
     design, plan = state.design, state.plan
-    if plan is None or not plan.solved or state.planning:
+    if plan is None or not _has_plan(state):
         return state, (Notify("Not compared", "There is no plan yet."),)
     design = replace(design, jump=plan.jump, tuning=plan.tuning)  # the nearest, where it is shown
     ways = [

@@ -219,19 +219,6 @@ def test_pins_that_come_and_go_are_sent_once():
     )
 
 
-def test_pinned_robots_stand_beside_the_one_that_is_shown():
-    robot, frames = load_robot("anymal"), planned().frames
-    there, beside = (Ghost(robot, frames, colours.PINNED[0], place) for place in (0, 2))
-    drawn = Drawn(replace(picture(), ghosts=(there,)))
-    low = drawn.clip.camera_target.points.min(axis=0)
-    clip, *_ = drawn.changes(replace(picture(), ghosts=(beside,)))
-    moved = track_of(clip, "/pinned/1/base")[1].position - frames.body_position[:, 0]
-    assert moved == pytest.approx(np.broadcast_to([0, beside.beside, 0], moved.shape))
-    assert beside.beside < -1  # to the right
-    points = clip.camera_target.points
-    assert points.min(axis=0) == pytest.approx(low + np.array([0, beside.beside, 0]))
-
-
 def test_tracks_with_the_same_instants_are_one_strand():
     clip = Drawn(picture(layers=OVERLAYS, simulation=True)).clip
     assert len(clip.channels) == 3  # the plan's, the simulation's, and those of the ghost

@@ -33,7 +33,7 @@ def test_what_is_pinned_is_a_chip_over_the_picture(page):
     wait_until(lambda: session.state.beside, "the server")
     page.wait_for_function(
         "() => Object.entries(__viserMutable.nodePoseData).some(([name, { position }]) =>"
-        " name.startsWith('/pinned/') && name.endsWith('/base') && position[1] > 0.8)"
+        " name.startsWith('/row/') && name.endsWith('/base') && position[1] > 0.8)"
     )
     press(page, "Side by side")
     wait_until(lambda: not session.state.beside, "the server")
