@@ -159,7 +159,7 @@ class Row(Drawing):
             shelf.show_only((nodes,))
 
     def seen_by(self, target: CameraTarget | None) -> CameraTarget | None:
-        """What a camera looks at, with all of the row if there is one."""
+        """A camera's target, with all of the row if there is one."""
         if target is None or not len(self._points):
             return target
         points = np.concatenate([target.points, self._points])

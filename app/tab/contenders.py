@@ -72,7 +72,7 @@ class Comparing:
 
     @property
     def last(self) -> Contender | None:
-        """Of these the rightmost: drawn with forces and all else; None: there is none yet."""
+        """The rightmost of these; None: there is none yet."""
         present = self.present
         return present[-1] if present else None
 

@@ -1,8 +1,8 @@
 """One jump made in several ways, side by side: who turned how far at touchdown, and why.
 
 The turn is about the axis that the request turns about; of a jump without a turn it is the pitch,
-or the roll of one to the side. What a model leaves out shows in flight, where nothing corrects it:
-at touchdown it may cancel with what was off at lift-off (`llsrbm.analysis.model_turn`).
+or the roll of one to the side. Errors of a model show in flight, where nothing corrects them:
+at touchdown they may cancel with what was off at lift-off (`llsrbm.analysis.model_turn`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Turning:
     """A simulated turn against its plan; rad, in the sense that was asked for."""
 
     axis: Axis
-    asked: bool  # the request is to turn about it
+    requested: bool  # the request is to turn about it
     off: float | None  # at the first contact, beyond the plan's at its own; None: there was none
     in_flight: float | None  # of it, gained from lift-off on; None: not known
     inertia: tuple[
@@ -71,7 +71,7 @@ def turning(rollout: Rollout) -> Turning:
         off, in_flight = _off(rollout, _AXES.index(axis))
     return Turning(
         axis=axis,
-        asked=bool(amount),
+        requested=bool(amount),
         off=None if off is None else sense * off,
         in_flight=None if in_flight is None else sense * in_flight,
         inertia=_inertia(plan, axis),
@@ -110,7 +110,7 @@ def _inertia(plan: Plan, axis: Axis) -> tuple[float, float]:
 
 
 def sentence(ways: Sequence[Way], *, of_models: bool = True) -> str:
-    """Who turned how far at touchdown; of models also in flight, by their inertia, and the best."""
+    """The turn of each at touchdown; of models also in flight, by their inertia, and the best."""
     clauses: list[str] = []
     turned = False
     for way in ways:
@@ -157,7 +157,7 @@ def _clause(way: Way, *, of_models: bool, follows: bool) -> str:
         at = "" if fell is None else f" at {decimal(fell, 2)} s"
         return f"{way.name} falls{at} and does not touch down on its feet"
     amount = degrees(abs(turn.off))
-    if turn.asked:
+    if turn.requested:
         how = "less" if turn.off < 0 else "more"
         words = f"{way.name} {amount} {how}"
         if not follows:
@@ -176,7 +176,7 @@ def _about_model(turn: Turning) -> str:
     if turn.in_flight is None:
         return inertia
     amount = degrees(abs(turn.in_flight))
-    if not turn.asked or amount == degrees(0.0):
+    if not turn.requested or amount == degrees(0.0):
         return f"{amount} in flight, {inertia}"
     return f"{amount} {'lost' if turn.in_flight < 0 else 'gained'} in flight, {inertia}"
 
@@ -189,7 +189,7 @@ def _inertia_words(turn: Turning) -> str:
 
 
 def _best(ways: Sequence[Way]) -> str:
-    """Whose plan is nearest to what the robot did in flight, as far as the figures tell."""
+    """The way whose plan is nearest to what the robot did in flight, as far as the figures tell."""
     errors = {
         way.name: round(math.degrees(abs(turn.in_flight)), 1)
         for way in ways
@@ -201,7 +201,8 @@ def _best(ways: Sequence[Way]) -> str:
     best = [name for name, error in errors.items() if error == smallest]
     if len(best) == len(errors):
         return ": all foresee the flight alike"
-    return f": {' and '.join(best)} foresee{'s' if len(best) == 1 else ''} the flight best"
+    among = "" if all(way.rollout is not None for way in ways) else " of these"
+    return f": {' and '.join(best)} foresee{'s' if len(best) == 1 else ''} the flight best{among}"
 
 
 def _signed(angle: float | None) -> str:

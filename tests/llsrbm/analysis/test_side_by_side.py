@@ -77,7 +77,7 @@ def test_of_a_jump_without_a_turn_it_is_the_pitch():
     run = replace(run, base_quat=(tracked * off).as_quat(scalar_first=True))
     turn = turning(run)
     assert turn.axis == "pitch"
-    assert not turn.asked
+    assert not turn.requested
     assert math.degrees(turn.off) == pytest.approx(5.0, abs=0.01)
     assert math.degrees(turn.in_flight) == pytest.approx(5.0, abs=0.01)
     text = sentence([Way("SRBM", run), Way("LL-SRBM", run)])
