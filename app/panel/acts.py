@@ -37,7 +37,7 @@ class Act(Enum):
         "history", "Undo", "Go back to the design before the last change", Icon.ARROW_BACK_UP
     )
     REDO = Button("history", "Redo", "Restore the design that was undone", Icon.ARROW_FORWARD_UP)
-    SHARE = Button("history", "Share", "Make a link that opens this design", Icon.LINK)
+    SHARE = Button("share", "Share", "Make a link that opens this design", Icon.LINK)
     COMPARE_REPLANNING = Button(
         "push",
         "With and without replanning",

@@ -159,7 +159,7 @@ ALSO = tuple(
 
 
 class FileControls:
-    """Above: open, format, export, and, after `add_progress`, notes; in the tab Files the rest."""
+    """Above: open; further down, where they are asked for, notes, format and export, and the rest."""
 
     def __init__(
         self,
@@ -180,8 +180,7 @@ class FileControls:
             icon=Icon.FOLDER_OPEN,
         )
         self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
-        self.fields.add(FORMAT)
-        self.buttons: Buttons = add_buttons(gui, "export", put_act)  # so far
+        self.buttons: Buttons = {}  # so far
 
         # Asynchronous, so that it runs on the event loop, in order.
         @self.open.on_upload
@@ -194,6 +193,11 @@ class FileControls:
     def format(self) -> Any:
         """The menu of formats."""
         return self.fields.handle(FORMAT)
+
+    def add_export(self) -> None:
+        """Add the format and the button that writes it, in the open container."""
+        self.fields.add(FORMAT)
+        self.buttons |= add_buttons(self._gui, "export", self._put)
 
     def add_progress(self) -> None:
         """Add what is being read or written, and a note on what was, in the open container."""

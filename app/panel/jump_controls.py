@@ -103,7 +103,7 @@ class About(NamedTuple):
 
 
 class JumpControls:
-    """Robot, model, type, arms and sliders, added to the container that is open."""
+    """Robot, type, arms and sliders, added to the container that is open; the model, where asked."""
 
     def __init__(
         self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile], acted: Put
@@ -112,25 +112,36 @@ class JumpControls:
         self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
         self._types_of: Robot | None = None
         self._drawn_of: tuple[Any, ...] = ()  # robot and request, as far as the picture shows them
-        self._menus = _menus(robots)
+        self._gui, self._acted = gui, acted
+        *self._menus, self._model = _menus(robots)
         self._fields = Fields(gui, jump, self._about(jump), acted, Act.JUMP)
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
-        self._fields.add(TURN)
-        # whether drafts are replaced by the whole body's plans
+        self._fields.add(TURN, *SLIDERS)
+
+    def add_model(self) -> None:
+        """Add the model's menu to the container that is open."""
+        self._fields.add(self._model)
+
+    def add_whole_body(self) -> None:
+        """Add whether drafts are replaced by the whole body's plans, in the open container."""
         self.whole_body = switch(
-            gui,
+            self._gui,
             "Whole body",
             "Plan every link once the sliders rest; without it plans stay drafts",
-            acted,
+            self._acted,
             Act.WHOLE_BODY,
         )
-        self._fields.add(*SLIDERS)
 
     @property
     def menus(self) -> tuple[Any, ...]:
-        """Menus of robot, model, type and arms: pairs stand in one row."""
+        """Menus of robot, type and arms, which stand in one row."""
         return tuple(map(self._fields.handle, self._menus))
+
+    @property
+    def model(self) -> Any:
+        """Menu of the model."""
+        return self._fields.handle(self._model)
 
     @property
     def tinted(self) -> dict[str, str]:
@@ -178,14 +189,6 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
             aliases=tuple(robots),
         ),
         Field(
-            "Model",
-            "Inertia model used by the planner",
-            get=lambda jump: title_of_model(jump.model),
-            put=lambda jump, title: replace(jump, model=models_by_title.get(title, title)),
-            options=tuple(models_by_title),
-            aliases=tuple(models_by_title.values()),
-        ),
-        Field(
             "Jump type",
             "Contact schedule: which feet push, fly and land when",
             get=lambda jump: title_of_type(jump.type),
@@ -199,6 +202,14 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
             put=lambda jump, shown: replace(jump, arms=shown.lower()),
             options=tuple(choice.capitalize() for choice in ARMS),
             there=lambda jump: bool(robots[jump.robot].arms),  # of robots with arms alone
+        ),
+        Field(
+            "Model",
+            "Inertia model used by the planner",
+            get=lambda jump: title_of_model(jump.model),
+            put=lambda jump, title: replace(jump, model=models_by_title.get(title, title)),
+            options=tuple(models_by_title),
+            aliases=tuple(models_by_title.values()),
         ),
     )
 

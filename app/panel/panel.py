@@ -1,8 +1,8 @@
 """One tab's controls and what they show. Labels are part of the contract.
 
-From the top: undo, files as icons; robot and jump; the verdict; Simulate with its scenario, folded.
-These stay, and the tabs below scroll. The panel holds no facts: it is read and drawn by the
-session's thread.
+One scroll, from the top: undo and files as icons; robot, jump and sliders; the verdict; the model;
+Simulate with its scenario, folded; the export; details, folded, in tabs. The panel holds no facts: it
+is read and drawn by the session's thread.
 """
 
 from __future__ import annotations
@@ -33,6 +33,7 @@ from llsrbm.request.design import Design
 from llsrbm.robots import Robot, RobotFile
 
 _HELP = Path(__file__).parents[1] / "static" / "help.md"
+_WHAT_IT_IS = "Design a jump; see why inertia matters."
 _NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
 _NO_SIMULATION = "No simulation yet: Simulate has the whole robot follow the plan."
 _NO_CERTIFICATE = (
@@ -59,16 +60,29 @@ class Panel:
     ) -> None:
         """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
-        self.buttons = add_buttons(gui, "history", put)  # all of them, by their acts
+        gui.add_html(html.note(_WHAT_IT_IS))
+        self.buttons = add_buttons(gui, "share", put)  # all of them, by their acts
         self.files = FileControls(client, examples, put, open_file)
+        self.buttons |= add_buttons(gui, "history", put)
         self.jump = JumpControls(gui, design.jump, robots, put)
-        self.buttons |= add_buttons(gui, "compare", put)
         self._status = gui.add_html("")
         self.buttons |= add_buttons(gui, "verdict", put)
+        self.jump.add_model()
+        self.buttons |= add_buttons(gui, "compare", put)
         self.buttons |= add_buttons(gui, "main", put)
         self.files.add_progress()
         with gui.add_folder("Scenario", expand_by_default=False):
             self.scenario = ScenarioControls(gui, robots[design.jump.robot], put)
+        self.files.add_export()
+        with gui.add_folder("Details", expand_by_default=False):
+            self._add_details(gui, view, plots, sweeps, put)
+        for group in (self.files, self.scenario, self.comparison, self.plots, self.tuning):
+            self.buttons |= group.buttons
+
+    def _add_details(
+        self, gui: viser.GuiApi, view: View, plots: PlotChoice, sweeps: Sequence[str], put: Put
+    ) -> None:
+        """What a first jump does not need, in tabs."""
         tabs = gui.add_tab_group()
         with tabs.add_tab("View"):
             self.view = ViewControls(gui, view, put)
@@ -86,6 +100,7 @@ class Panel:
         with tabs.add_tab("Files"):
             self.files.add_tab()
         with tabs.add_tab("More"):
+            self.jump.add_whole_body()
             with gui.add_folder("Limits", expand_by_default=False):
                 self.tuning = TuningControls(gui, put)
             with gui.add_folder("Atlas", expand_by_default=False):
@@ -93,21 +108,19 @@ class Panel:
             with gui.add_folder("Help", expand_by_default=False):
                 gui.add_html(html.TOUR_BUTTON)
                 gui.add_markdown(_HELP.read_text(encoding="utf-8"))
-        for group in (self.files, self.scenario, self.comparison, self.plots, self.tuning):
-            self.buttons |= group.buttons
 
     @property
     def arrangement(self) -> dict[str, str | list[str]]:
         """Uuids of the controls that stand in rows (static/panel.js)."""
-        robot, model, kind, arms = map(uuid_of, self.jump.menus)
-        icons = [self.buttons[act] for act in (Act.UNDO, Act.REDO, Act.SHARE)]
+        robot, kind, arms = map(uuid_of, self.jump.menus)
+        icons = [self.buttons[act] for act in (Act.SHARE, Act.UNDO, Act.REDO)]
         return {
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
-            "menus": [robot, model],
-            "armed": [kind, arms],
+            "menus": [robot, kind, arms],
+            "model": [uuid_of(self.jump.model), uuid_of(self.buttons[Act.COMPARE_MODELS])],
             "main": uuid_of(self.buttons[Act.SIMULATE]),
             "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }

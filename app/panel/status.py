@@ -27,12 +27,12 @@ class Verdict(StrEnum):
 
 
 _COLOURS = {
-    Verdict.PLANNING: _GREY,
+    Verdict.PLANNING: _AMBER,
     Verdict.DRAFT: _AMBER,
     Verdict.FEASIBLE: _GREEN,
     Verdict.NEAREST: _AMBER,
     Verdict.INFEASIBLE: _RED,
-    Verdict.SIMULATING: _GREY,
+    Verdict.SIMULATING: _AMBER,
     Verdict.LANDED: _GREEN,
     Verdict.FELL: _RED,
     Verdict.FAILED: _RED,
@@ -45,6 +45,20 @@ _OF_A_MOTION = (Verdict.DRAFT, Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED
 
 
 @dataclass(frozen=True)
+class Checks:
+    """How many checks of a certificate hold."""
+
+    held: int
+    of: int
+
+    @property
+    def html(self) -> str:
+        """A badge."""
+        kind = "held" if self.held == self.of else "broken"
+        return f' <span class="llsrbm-checks {kind}">{self.held}/{self.of} checks</span>'
+
+
+@dataclass(frozen=True)
 class Status:
     """Progress or outcome of what is computed: a large word, and what a roboticist asks next."""
 
@@ -54,29 +68,44 @@ class Status:
     share: float | None = None  # of it that is done, 0 to 1; None where that is not known
     limit: str = ""  # of the verdict, large as it is: "not strict"
     figures: tuple[tuple[str, str], ...] = ()  # titles and values
-    points: tuple[str, ...] = ()  # short sentences, in place of figures
+    points: tuple[str, ...] = ()  # short sentences before the figures
     outdated: bool = False  # it is of another scenario
+    checks: Checks | None = None  # of the motion's certificate; None: it has none
+    old: bool = False  # the figures are of the motion before the one that is computed
 
     @property
     def html(self) -> str:
-        """All of it with its bar, in a place of the same size whatever it is (static/panel.js)."""
-        word, colour = self.verdict.value, _GREY if self.outdated else _COLOURS[self.verdict]
-        large = escape(f"{word}, {self.limit}" if self.limit else word)
-        if self.verdict in _OF_A_MOTION and not self.busy:
-            large = f'<button type="button" title="Show the certificate">{large}</button>'
-        rest = f" <span>{escape(self.rest)}</span>" if self.rest else ""
+        """All of it, as high as it has to be (static/panel.js)."""
+        kind = " outdated" if self.outdated else ""
         figures = "".join(
             f"<div><dt>{escape(title)}</dt> <dd>{escape(value)}</dd></div> "
             for title, value in self.figures
         )
         points = "".join(f"<li>{escape(point)}</li> " for point in self.points)
-        kind = " outdated" if self.outdated else ""
+        rest = f" <span>{escape(self.rest)}</span>" if self.rest else ""
+        old = ' class="old" aria-label="Of the motion before"' if self.old else ""
         return (
-            f'<div class="llsrbm-status{kind}" style="--verdict:{colour}">'
-            f'<div role="status" aria-busy="{str(self.busy).lower()}"><b>{large}</b>{rest}'
-            f"{f' <dl>{figures}</dl>' if figures else ''}{f' <ul>{points}</ul>' if points else ''}"
-            f"</div>{_bar(self.share)}</div>"
+            f'<div class="llsrbm-status{kind}" style="--verdict:{self._colour}">'
+            f'<div role="status" aria-busy="{str(self.busy).lower()}">'
+            f"<b>{self._word}</b>{'' if self.checks is None else self.checks.html}{rest}"
+            f"{f' <ul>{points}</ul>' if points else ''}"
+            f"{f' <dl{old}>{figures}</dl>' if figures else ''}"
+            f"</div>{_bar(self.share, busy=self.busy)}</div>"
         )
+
+    @property
+    def _colour(self) -> str:
+        if self.outdated:
+            return _GREY
+        return _AMBER if self.busy else _COLOURS[self.verdict]
+
+    @property
+    def _word(self) -> str:
+        word = self.verdict.value
+        large = escape(f"{word}, {self.limit}" if self.limit else word)
+        if self.verdict in _OF_A_MOTION and not self.busy:
+            return f'<button type="button" title="Show the certificate">{large}</button>'
+        return large
 
 
 @dataclass(frozen=True)
@@ -91,10 +120,10 @@ class SeedResult:
     line: str  # the same in words
 
 
-def _bar(share: float | None) -> str:
-    """A bar that takes the same place when there is none."""
+def _bar(share: float | None, *, busy: bool) -> str:
+    """A bar: how much is done, or where that is not known that something is; else its place."""
     if share is None:
-        return '<div class="llsrbm-progress"></div>'
+        return f'<div class="llsrbm-progress{" unknown" if busy else ""}"></div>'
     done = decimal(100 * min(max(share, 0.0), 1.0))
     return (
         '<div class="llsrbm-progress" role="progressbar" aria-label="Progress" aria-valuemin="0" '

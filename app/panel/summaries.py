@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from html import escape
 
+import numpy as np
+
 from app.panel.html import SMALL, table
-from app.panel.status import SeedResult, Status, Verdict
+from app.panel.status import Checks, SeedResult, Status, Verdict
 from llsrbm.analysis.diagnosis import fall_in_words
 from llsrbm.analysis.drafts import draft_reason
 from llsrbm.analysis.figures import figures_of_plan
@@ -19,10 +21,11 @@ from llsrbm.analysis.wording import (
     shortfalls,
     violation_rows,
 )
+from llsrbm.certificate import stated
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.solve_report import Violation
-from llsrbm.number_text import power
+from llsrbm.number_text import degrees
 from llsrbm.request.jump import Jump, changes
 from llsrbm.robots import Robot
 
@@ -41,15 +44,39 @@ def plan_status(
     if plan.report.compiling:
         parts.append("solver still being compiled")
     rest = f"{', '.join(parts)} {follows}".strip()
+    figures, checks = _plan_figures(plan), _checks(plan)
     if wanted is not None:
         nearest = changes(wanted, plan.jump) or "almost the request"
-        return Status(Verdict.NEAREST, rest, points=(_sentence(nearest), _sentence(reason)))
+        points = _sentence(nearest), _sentence(reason)
+        return Status(Verdict.NEAREST, rest, points=points, figures=figures, checks=checks)
+    verdict = Verdict.FEASIBLE if plan.certified else Verdict.DRAFT
+    return Status(verdict, rest, figures=figures, checks=checks)
+
+
+def _plan_figures(plan: Plan) -> tuple[tuple[str, str], ...]:
+    """The figures that matter for this jump: how it turns, how long it flies, what it takes."""
     values = figures_of_plan(plan)
     words = InWords(values)
-    names = ["flight_time_s", "apex", "planned_torque_ratio"]
+    names = ["flight_time_s", "planned_torque_ratio", "model_turn_in_flight"]
+    if not plan.jump.turns:
+        names.insert(0, "Izz_change")
     shown = [words.row(name) for name in names if getattr(values, name) is not None]
-    verdict = Verdict.FEASIBLE if plan.certified else Verdict.DRAFT
-    return Status(verdict, rest, figures=tuple(shown))
+    return (*([_turn(plan)] if plan.jump.turns else []), *shown)
+
+
+def _turn(plan: Plan) -> tuple[str, str]:
+    """By how much the body turns over, about the axis that the request names."""
+    axis = 1 if plan.jump.pitch else 0
+    turned = np.trapezoid(plan.angular_velocity[:, axis], plan.time)
+    return "Turn", degrees(float(turned), signed=True)
+
+
+def _checks(motion: Plan | Rollout) -> Checks | None:
+    found = stated(motion)
+    if found is None:
+        return None
+    held = [each.holds is True for each in found]
+    return Checks(sum(held), len(held))
 
 
 def refused_status(reason: str, remark: str = "") -> Status:
@@ -58,14 +85,10 @@ def refused_status(reason: str, remark: str = "") -> Status:
     return Status(Verdict.INFEASIBLE, remark, points=points)
 
 
-def progress_line(text: str, iteration: int | None, residual: float | None) -> str:
+def progress_line(text: str, iteration: int | None) -> str:
     """The status line after "Planning" while the solver works."""
-    parts = [text]
-    if iteration is not None:
-        parts.append(f"iteration {iteration}")
-    if residual is not None:
-        parts.append(f"residual {power(residual)}")
-    return f"({', '.join(parts)}) ..."
+    step = "" if iteration is None else f", step {iteration}"
+    return f"({text}{step}) ..."
 
 
 def simulated_status(rollout: Rollout, remark: str = "") -> Status:
@@ -85,8 +108,10 @@ def simulated_status(rollout: Rollout, remark: str = "") -> Status:
     figures = InWords(outcome)
     at_contact = outcome.yaw_error_at_touchdown is not None
     yaw = figures["yaw_error_at_touchdown" if at_contact else "final_yaw_error"]
-    shown = (("Yaw error", yaw), figures.row("final_tilt"), figures.row("foot_error"))
-    return Status(Verdict.LANDED, ", ".join(parts), limit=limit, figures=shown)
+    names = ("final_tilt", "foot_error", "peak_torque_ratio")
+    shown = (("Yaw error", yaw), *map(figures.row, names))
+    checks = _checks(rollout)
+    return Status(Verdict.LANDED, ", ".join(parts), limit=limit, figures=shown, checks=checks)
 
 
 def seeds_line(results: Sequence[SeedResult]) -> str:

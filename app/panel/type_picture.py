@@ -18,11 +18,11 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import JumpType, Legs
 from llsrbm.request.schedule import Schedule
 
-HEIGHT = 50  # px, of any type: what stands below must not move as another one is chosen
+HEIGHT = 66  # px, of any type: what stands below must not move as another one is chosen
 
-_WIDTH, _ROWS = 168, 40  # px: of the drawing, and of all its rows together
-_ROW = 10.0  # px, of a row at most
-_LETTER = 4.7  # px, of a leg's name
+_WIDTH, _ROWS = 168, 52  # px: of the drawing, and of all its rows together
+_ROW = 13.0  # px, of a row at most
+_LETTER = 7.2  # px, of a leg's name
 _LONGEST = 8  # letters of a leg's name that are shown
 _ARC = 135  # deg to each side of the top, that an arrow goes around
 _HEAD = 3.6  # px
@@ -33,7 +33,7 @@ def _beside(drawing: str, words: str) -> str:
     return (
         f'<div class="llsrbm-type" style="display:flex;align-items:center;gap:8px;'
         f'height:{HEIGHT}px;overflow:hidden">{drawing}'
-        f'<div title="{words}" style="{DIM};flex:1;font-size:0.7rem;line-height:1.12;'
+        f'<div title="{words}" style="{DIM};flex:1;font-size:0.75rem;line-height:1.25;'
         'overflow:hidden;display:-webkit-box;-webkit-box-orient:vertical;-webkit-line-clamp:4">'
         f"{words[:1].upper()}{words[1:]}</div></div>"
     )
@@ -66,7 +66,7 @@ def gait_diagram(schedule: Schedule, jump: Jump) -> str:
     for leg, name in enumerate(schedule.legs):
         middle = (leg + 0.5) * row
         parts.append(
-            f'<text x="0" y="{middle:.1f}" font-size="{min(8.5, row):.1f}" '
+            f'<text x="0" y="{middle:.1f}" font-size="{min(12.0, row):.1f}" '
             f'dominant-baseline="central">{escape(name[:_LONGEST])}</text>'
             f'<path d="M{left:.1f} {middle:.1f}H{_WIDTH}" stroke="currentColor" opacity="0.2"/>'
         )
@@ -80,7 +80,7 @@ def gait_diagram(schedule: Schedule, jump: Jump) -> str:
         middle = left + (schedule.flights[0] + 0.5) * column
         parts.append(_arrow(middle, bottom / 2, min(0.36 * column, 0.36 * bottom), jump))
         parts.append(
-            f'<text x="{middle:.1f}" y="{height - 2:.1f}" font-size="8" text-anchor="middle">'
+            f'<text x="{middle:.1f}" y="{height - 2:.1f}" font-size="12" text-anchor="middle">'
             f"{_seen_from(jump)}</text>"
         )
     return (

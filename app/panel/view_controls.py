@@ -16,6 +16,7 @@ from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.picture import Picture
 from app.viser_private import uuid_of
 
+_MARKER = '<div class="llsrbm-boxes"></div>'  # of a box of checkboxes (static/panel.js)
 BRAND = (62, 78, 99)  # no motion has it
 
 
@@ -63,12 +64,15 @@ class ViewControls:
     """A box to tick for each overlay and switch, in the container that is open."""
 
     def __init__(self, gui: viser.GuiApi, view: View, put: Put) -> None:
-        gui.add_html('<div class="llsrbm-boxes"></div>')
+        gui.add_html(_MARKER)
         self.fields = Fields(gui, view, None, put, Act.VIEW)  # the boxes
-        for group in Group:
-            gui.add_html(html.heading(group.value))
-            overlays = [name for name, each in OVERLAYS.items() if each.group is group]
-            self.fields.add(*(BOXES[name] for name in overlays))
+        self.fields.add(*(BOXES[name] for name, each in OVERLAYS.items() if each.common))
+        with gui.add_folder("More overlays", expand_by_default=False):
+            gui.add_html(_MARKER)
+            for group in Group:
+                gui.add_html(html.heading(group.value))
+                rest = [n for n, each in OVERLAYS.items() if each.group is group and not each.common]
+                self.fields.add(*(BOXES[name] for name in rest))
         gui.add_html(html.heading("Page"))
         self.fields.add(*SWITCHES)
 

@@ -58,6 +58,7 @@ class Overlay(Drawing):
     place: ClassVar[int]  # of its box among the others, a number
     tints: ClassVar[tuple[Rgb, ...]] = ()  # colours in which it is drawn, whatever the motion
     at_first: ClassVar[bool] = False  # whether its box is ticked when a page opens
+    common: ClassVar[bool] = False  # whether its box stands before the folded ones
     # name of its node. viser labels nodes by their names, and tests find controls by label: it
     # differs from `title`
     root: ClassVar[str] = ""

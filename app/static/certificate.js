@@ -11,6 +11,8 @@
 
   addToPage(STYLE);
 
+  const details = () => [...document.querySelectorAll("[aria-expanded=false]")]
+    .find((title) => title.textContent.trim() === "Details");
   const results = () => [...document.querySelectorAll("[role=tab]")]
     .find((tab) => tab.textContent.trim() === "Results");
 
@@ -22,8 +24,10 @@
       player.seek(Number(finding.dataset.seek));
     }
     if (target.closest(".llsrbm-status b button")) {
+      details()?.click();
       // On viser's tabs the pointer is for dragging: a key turns to one.
       results()?.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+      results()?.scrollIntoView({ block: "start", behavior: "smooth" });
       page.send({ kind: "certificate" });
     }
   });

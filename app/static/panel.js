@@ -1,6 +1,6 @@
-// How the panel looks: its rows in a grid, of which only the tabs scroll, one filled button, labels
-// that do not wrap, readable greys. viser draws the controls; this script only adds style sheets.
-// `arrange` learns from the server which control is which; markers in the panel's own HTML
+// How the panel looks: rows in a grid that scrolls as one, sliders as wide as it, one filled button,
+// labels that do not wrap, readable greys. viser draws the controls; this script only adds style
+// sheets. `arrange` learns from the server which control is which; markers in the panel's own HTML
 // (app/panel) say where the rest belongs.
 (() => {
   const MAIN = "div:has(> div > .llsrbm-status)"; // the box with the controls that are always there
@@ -9,10 +9,11 @@
   const SCENARIO = "div:has(> div > .llsrbm-scenario)"; // the box of what a simulation meets
   const PAIRS = "div:has(> div > .llsrbm-pair)"; // a box whose buttons stand side by side
   const FIELD = ".mantine-Flex-root > div:first-child"; // the place of a label
+  const TABS = "[data-dock-area^=gui-tabs]"; // the tabs of the details
+  // A row with a slider: its label and number, and below them the slider.
+  const SLIDER = ".mantine-Flex-root:has(> div > div > .mantine-Flex-root > .mantine-Slider-root)";
 
-  const ROWS = 50; // above the tabs, at most; those that are not there have no height
-  const VERDICT = "5.4rem"; // height of the verdict: a large word, and three lines
-  const ABOVE = "35rem"; // of the panel, what is not the scenario's: the tabs stay in sight
+  const VERDICT = "8.2rem"; // least height of the verdict: what is usual has room, what is more grows
 
   const FILLED = "rgb(62 78 99)"; // the brand's, dark enough for white letters
 
@@ -20,44 +21,57 @@
     :root[data-mantine-color-scheme=light] { --mantine-color-dimmed: #59616a !important; }
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
 
-    /* Beside the picture it is as high as the page, and what is left of that is the tabs'. */
-    [data-dock-region] .mantine-ScrollArea-viewport:has(> div .llsrbm-status) {
-      container-type: size; }
-    ${MAIN} { display: grid; grid-template-columns: repeat(20, minmax(0, 1fr)); column-gap: 4px;
-      grid-template-rows: repeat(${ROWS}, auto) minmax(8rem, 1fr); box-sizing: border-box;
-      height: 100cqh; align-content: start; padding: 0.4em 10px 0 !important; }
+    /* viser has letters of less than 12 pixels, drawn together. */
+    [data-dock-root] * { letter-spacing: normal !important; }
+    ${MAIN} { font-size: 14px; }
+    ${MAIN} :is(input, label, p, .mantine-Slider-markLabel) { font-size: 0.8125rem !important; }
+    ${MAIN} .mantine-Slider-markLabel { font-size: 0.75rem !important; line-height: 1;
+      color: var(--mantine-color-dimmed); white-space: nowrap; }
+
+    ${MAIN} { display: grid; grid-template-columns: repeat(20, minmax(0, 1fr)); column-gap: 6px;
+      box-sizing: border-box; align-content: start; padding: 0.4em 12px 1rem !important; }
     ${MAIN} > * { grid-column: 1 / -1; min-width: 0; margin-inline: 0 !important;
       padding-inline: 0 !important; }
     ${MAIN} > div > ${FIELD}, ${MAIN} > div > div > ${FIELD} { width: 7.6rem !important;
       padding-right: 6px; }
-    ${MAIN} label { white-space: nowrap; font-size: 0.8rem; letter-spacing: -0.4px; }
-    ${MAIN} .mantine-Slider-root { margin-right: 2px; }
+    ${MAIN} label { white-space: nowrap; }
 
-    ${MAIN} > :has(> [data-dock-area^=gui-tabs]), ${MAIN} > .mantine-Tabs-root {
-      grid-row: ${ROWS + 1}; min-height: 0; margin-top: 0 !important; }
-    [data-dock-region] ${MAIN} > :has(> [data-dock-area]) :is([data-dock-area], [data-dock-group],
-      [role=tablist] + div, [role=tablist] + div :has(.mantine-ScrollArea-viewport)) {
-      display: flex; flex-direction: column; flex: 1 1 0; height: 100%; min-height: 0; }
-    [data-dock-region] ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport {
-      flex: 1 1 0; min-height: 0; max-height: none !important; }
+    ${SLIDER} { display: grid; grid-template-columns: minmax(0, 1fr) auto; row-gap: 1px; }
+    ${SLIDER} > div:last-child, ${SLIDER} > div:last-child > div,
+    ${SLIDER} > div:last-child > div > div { display: contents; }
+    ${SLIDER} .mantine-Slider-root { --slider-size: 6px; grid-row: 2; grid-column: 1 / -1;
+      padding: 5px 2px 21px !important; margin: 0 !important; position: relative; }
+    ${SLIDER} .mantine-Slider-thumb { width: 14px !important; height: 20px !important;
+      border-radius: 4px; }
+    ${SLIDER} .mantine-Slider-mark { display: none; }
+    ${SLIDER} .mantine-Slider-label { display: none; } /* the number stands above */
+    ${SLIDER} .mantine-Slider-markLabel { transform: translate(-6px, 10px) !important; }
+    ${SLIDER} .mantine-Slider-markWrapper:last-child .mantine-Slider-markLabel {
+      transform: translate(calc(6px - 100%), 10px) !important; }
+    ${SLIDER} .mantine-NumberInput-root { width: 4.4rem !important; margin: 0 !important; }
+    ${SLIDER} .mantine-NumberInput-input { text-align: right; }
+    ${MAIN} > :has(> ${SLIDER}) { padding-bottom: 2px !important; }
 
-    /* A tab has no scroll bar to the side. */
-    ${MAIN} [data-dock-area^=gui-tabs] .mantine-ScrollArea-viewport > div {
-      display: block !important; overflow-x: clip; }
+    /* The details' tabs are as high as what is in them: the panel scrolls, and nothing in it. */
+    ${TABS}, ${TABS} > *, ${TABS} .mantine-ScrollArea-root { overflow: visible !important; }
+    ${TABS} .mantine-ScrollArea-viewport { max-height: none !important;
+      overflow: visible !important; }
+    ${TABS} .mantine-ScrollArea-scrollbar { display: none !important; }
+    ${TABS} .mantine-ScrollArea-viewport > div { display: block !important; min-width: 0 !important;
+      overflow-x: clip; }
 
     /* A folder: a line with its title, which is a button (accessibility.js), and what it holds. */
     ${FOLDER} { border-width: 1px 0 0; border-radius: 0; margin: 0 0 4px !important; }
     ${FOLDER} > .mantine-Paper-root { position: static; transform: none; padding: 3px 0;
-      display: flex; align-items: center; justify-content: space-between; font-size: 0.84rem; }
+      display: flex; align-items: center; justify-content: space-between; font-size: 0.875rem; }
     ${FOLDER} > :last-child { display: none; }
     ${SCENARIO} { padding: 0 !important; display: grid; grid-template-columns: 1fr 1fr; column-gap: 10px;
-      align-items: center; max-height: clamp(10rem, 100cqh - ${ABOVE}, 34vh); overflow: auto; }
+      align-items: center; }
     ${SCENARIO} > * { min-width: 0; padding: 0 0 5px !important; margin-inline: 0 !important; }
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }
     ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important; padding-right: 4px; }
     ${SCENARIO} .mantine-NumberInput-root { width: 4.4rem; }
-    ${SCENARIO} .mantine-Slider-root { width: 8rem; }
 
     ${BOXES} > *, ${SCENARIO} > * { padding-inline: 0 !important; margin-inline: 0 !important; }
     :is(${BOXES}, ${SCENARIO}) .mantine-Flex-root:has([type=checkbox]) {
@@ -68,19 +82,18 @@
     /* Every button is quiet but the one that is there to be pressed. */
     .mantine-Button-root[data-block], .mantine-Button-root[data-variant=outline] {
       background: var(--mantine-color-default); color: var(--mantine-color-text);
-      border: 1px solid var(--mantine-color-default-border); font-size: 0.8rem; }
+      border: 1px solid var(--mantine-color-default-border); font-size: 0.8125rem; }
     .mantine-Button-root[data-block]:not([data-disabled]):hover {
       background: var(--mantine-color-default-hover); color: var(--mantine-color-text); }
     .mantine-Button-root[data-block][data-disabled] { background: transparent;
-      color: var(--mantine-color-dimmed); opacity: 0.6; }
+      color: var(--mantine-color-dimmed); border-style: dashed; }
     .mantine-Button-root[data-block] { padding-inline: 0.5rem; }
 
-    [data-dock-area^=gui-tabs] [role=tablist] { display: flex; flex-wrap: nowrap !important; }
-    [data-dock-area^=gui-tabs] [role=tab] { flex: 1 1 auto !important; min-width: 0;
-      justify-content: center; padding-inline: 3px !important; font-size: 0.74rem !important;
-      letter-spacing: -0.3px; }
-    [data-dock-area^=gui-tabs] [role=tab][aria-selected=true] {
-      color: var(--mantine-color-text) !important; }
+    ${TABS} [role=tablist] { display: flex; flex-wrap: nowrap !important; }
+    ${TABS} [role=tab] { flex: 1 1 auto !important; min-width: 0; justify-content: center;
+      padding-inline: 3px !important; font-size: 0.8125rem !important; opacity: 1 !important;
+      color: var(--mantine-color-dimmed) !important; }
+    ${TABS} [role=tab][aria-selected=true] { color: var(--mantine-color-text) !important; }
 
     ${BOXES} { display: grid; grid-template-columns: 1fr 1fr; column-gap: 4px; padding: 0 8px; }
     ${BOXES} > * { padding-bottom: 0.3em !important; min-width: 0; }
@@ -91,20 +104,35 @@
     ${PAIRS} > * { grid-column: 1 / -1; min-width: 0; }
     ${PAIRS} > :has(> .mantine-Button-root) { grid-column: auto; }
 
-    /* The verdict has the same height whatever it says: what stands below must not jump. */
-    .llsrbm-status > [role=status] { height: ${VERDICT}; overflow-y: auto; margin: 0.3rem 0;
-      box-sizing: border-box; padding: 0.1rem 0.7rem; font-size: 0.8rem; line-height: 1.35;
+    /* The verdict grows with what it says; what is usual leaves what stands below where it is. */
+    .llsrbm-status > [role=status] { min-height: ${VERDICT}; margin: 0.3rem 0; box-sizing: border-box;
+      padding: 0.1rem 0 0.1rem 0.7rem; font-size: 0.8125rem; line-height: 1.4;
       border-left: 4px solid var(--verdict); overflow-wrap: anywhere; }
-    .llsrbm-status b { font-size: 1.3rem; line-height: 1.25; margin-right: 0.3em; }
-    .llsrbm-status dl { display: grid; grid-template-columns: repeat(3, 1fr); margin: 0.25rem 0 0; }
-    .llsrbm-status dt { font-size: 0.72rem; color: var(--mantine-color-dimmed); }
-    .llsrbm-status dd { font-size: 1rem; font-weight: 600; margin: 0; white-space: nowrap;
+    .llsrbm-status b { font-size: 1.3rem; line-height: 1.3; margin-right: 0.3em; }
+    .llsrbm-checks { display: inline-block; padding: 0 0.5em; border-radius: 0.7em; font-size: 0.75rem;
+      line-height: 1.4rem; vertical-align: 0.2em; border: 1px solid; white-space: nowrap;
+      color: color-mix(in srgb, var(--checks) 60%, var(--mantine-color-text)); }
+    .llsrbm-checks.held { --checks: #2f9e62; }
+    .llsrbm-checks.broken { --checks: #d6336c; }
+    .llsrbm-status dl { display: grid; grid-template-columns: 1fr 1fr; gap: 0.15rem 0.6rem;
+      margin: 0.25rem 0 0; }
+    .llsrbm-status dt { font-size: 0.75rem; color: var(--mantine-color-dimmed); }
+    .llsrbm-status dd { font-size: 1rem; font-weight: 600; margin: 0; line-height: 1.25;
       font-variant-numeric: tabular-nums; }
     .llsrbm-status ul { margin: 0.1rem 0 0; padding-left: 1.1em; }
     .llsrbm-status.outdated > [role=status] { color: var(--mantine-color-dimmed); }
-    .llsrbm-status [aria-busy=true] > :is(dl, ul) { animation: llsrbm-stale 0.2s 0.5s forwards; }
-    @keyframes llsrbm-stale { to { color: var(--mantine-color-dimmed); opacity: 0.6; } }
+    /* Figures of the motion before: at once is not soon enough to be read. */
+    .llsrbm-status .old dd { animation: llsrbm-old 0.2s 0.5s forwards; }
+    .llsrbm-status .old dd::before { content: "was "; font-size: 0; font-weight: normal;
+      animation: llsrbm-was 0s 0.5s forwards; }
+    @keyframes llsrbm-old { to { color: var(--mantine-color-dimmed); font-weight: normal; } }
+    @keyframes llsrbm-was { to { font-size: 0.75rem; } }
     .llsrbm-progress { height: 3px; border-radius: 2px; overflow: hidden; margin: 0 0 4px; }
+    .llsrbm-progress.unknown { background: linear-gradient(90deg, transparent,
+      var(--mantine-primary-color-filled), transparent) 0 0 / 40% 100% no-repeat;
+      animation: llsrbm-runs 1.6s 0.5s linear infinite backwards; }
+    @keyframes llsrbm-runs { from { background-position: -70% 0; } to { background-position: 170% 0; } }
+    @media (prefers-reduced-motion: reduce) { .llsrbm-progress.unknown { animation: none; } }
     .llsrbm-progress > div { height: 100%; background: var(--mantine-primary-color-filled); }
     .llsrbm-seeds { display: grid; grid-template-columns: repeat(5, 1fr); gap: 3px; margin-top: 4px;
       font-variant-numeric: tabular-nums; list-style: none; padding: 0; }
@@ -113,13 +141,13 @@
     .llsrbm-seeds > .fell { border-color: #d6336c; background: #d6336c22; }
     .llsrbm-seeds > .worst { outline: 2px solid currentColor; font-weight: bold; }
 
-    .llsrbm-tuning { padding: 0 10px; font-size: 0.76rem; }
+    .llsrbm-tuning { padding: 0 2px; font-size: 0.8125rem; }
     .llsrbm-tuning table { border-spacing: 0; width: 100%; margin-bottom: 0.6em; }
     .llsrbm-tuning caption { text-align: left; font-weight: bold; padding: 0.2em 0; }
     .llsrbm-tuning th { text-align: left; font-weight: normal; white-space: nowrap; padding: 1px 0; }
     .llsrbm-tuning thead th { color: var(--mantine-color-dimmed); }
     .llsrbm-tuning td { white-space: nowrap; padding: 1px 0 1px 5px; }
-    .llsrbm-tuning tbody th { cursor: help; letter-spacing: -0.3px; }
+    .llsrbm-tuning tbody th { cursor: help; }
     .llsrbm-tuning .number { text-align: right; font-variant-numeric: tabular-nums; }
     .llsrbm-tuning input { width: 4.6em; font: inherit; text-align: right; padding: 1px 4px;
       color: inherit; background: var(--mantine-color-default); border-radius: 3px;
@@ -140,33 +168,37 @@
   const row = (uuid) => `${MAIN} > :has([id$="${uuid}"])`;
   const button = (uuid) => `.mantine-Button-root[id="${uuid}"]`;
 
-  // `icons`, `format`, `save`: the first row; `menus`: two in a row; `armed`: likewise, while the
-  // second one is there; `nearest`: lies on the verdict before it, at the top right; `main`: to be
-  // pressed; `cancel` beside it, while there is something to cancel.
-  function arrangement({ icons, format, save, menus, armed, nearest, main, cancel }) {
-    const [type, arms] = armed, both = `${MAIN}:has([id$="${arms}"])`;
+  // `icons`: the first row; `menus`: robot, type and, while it is there, arms, in one row, each below
+  // its label; `model`: its menu, and what compares models; `nearest`: lies on the verdict before it, at the lower right; `main`: to be pressed;
+  // `cancel` beside it, while there is something to cancel; `format`, `save`: in one row.
+  function arrangement({ icons, format, save, menus, model, nearest, main, cancel }) {
+    const [robot, type, arms] = menus, armed = `${MAIN}:has([id$="${arms}"])`;
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
+    const flex = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > .mantine-Flex-root`;
     return `
       ${icons.map(row).join()} { grid-column: span 2; }
       :is(${icons.map(button).join()}) { padding: 0 !important; }
+      :is(${icons.map(button).join()})[data-disabled] { opacity: 0; }
       :is(${icons.map(button).join()}) .mantine-Button-section { margin: 0; font-size: 1.1rem; }
       :is(${icons.map(button).join()}) svg { left: 0; }
       :is(${icons.map(button).join()}) .mantine-Button-label, ${field(format)} { position: absolute;
         width: 1px !important; height: 1px; padding: 0; clip-path: inset(50%); overflow: hidden; }
-      ${row(format)} { grid-column: span 6; }
-      ${row(save)} { grid-column: span 6; }
-      ${row(menus[0])} { grid-column: span 10; }
-      ${row(menus[1])} { grid-column: span 10; }
-      ${field(menus[0])}, ${field(menus[1])} { width: 2.9rem !important; padding-right: 0; }
-      ${both} > :has([id$="${type}"]) { grid-column: span 12; }
-      ${row(arms)} { grid-column: span 8; }
-      ${field(arms)} { width: 2.9rem !important; padding-right: 0; }
-      ${both} ${FIELD}:has([for$="${type}"]) { width: 4.2rem !important; padding-right: 0; }
+      ${row(format)} { grid-column: span 10; }
+      ${row(save)} { grid-column: span 10; }
+      ${menus.map(flex).join()} { flex-direction: column; align-items: stretch !important; }
+      ${menus.map(field).join()} { width: auto !important; padding: 0; }
+      ${row(robot)} { grid-column: 1 / span 10; }
+      ${row(type)} { grid-column: span 10; }
+      ${armed} > :has([id$="${robot}"]) { grid-column: 1 / span 8; }
+      ${armed} > :has([id$="${type}"]) { grid-column: span 8; }
+      ${armed} > :has([id$="${arms}"]) { grid-column: span 4; }
+      ${row(model[0])} { grid-column: span 11; }
+      ${field(model[0])} { width: 3.2rem !important; padding: 0; }
+      ${row(model[1])} { grid-column: span 9; }
       ${row(nearest)} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
-      ${button(nearest)} { position: absolute; right: 0; bottom: calc(${VERDICT} - 1.1rem);
-        width: auto; height: 1.7rem; border-color: #d08a1d; }
-      ${MAIN}:has([id="${nearest}"]) .llsrbm-status > [role=status]::before { content: "";
-        float: right; width: 5.8rem; height: 1.7rem; } /* its words go around the button */
+      ${button(nearest)} { position: absolute; right: 0; bottom: 0.7rem; width: auto; height: 1.7rem;
+        border-color: #d08a1d; }
+      ${MAIN}:has([id="${nearest}"]) .llsrbm-status > [role=status] { padding-bottom: 2.1rem; }
       ${row(cancel)} { grid-column: span 6; }
       ${MAIN}:has([id="${cancel}"]) > :has([id$="${main}"]) { grid-column: span 14; }
       ${button(main)}, ${button(main)}:not([data-disabled]):hover {

@@ -104,7 +104,7 @@
     card.style.top = `${Math.max(0, Math.min(beside.top, window.innerHeight - height - AWAY))}px`;
   }
 
-  // The panel's Help tab has a button for it (app/panel/html.py).
+  // The panel's details have a button for it (app/panel/html.py).
   document.addEventListener("click", (event) => {
     if (event.target instanceof Element && event.target.closest("[data-tour]")) show(0);
   });

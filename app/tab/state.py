@@ -281,8 +281,14 @@ class TabState:
     def with_status(
         self, verdict: Verdict, rest: str, *, busy: bool = False, share: float | None = None
     ) -> TabState:
-        """With another status line."""
-        return replace(self, status=Status(verdict, rest, busy, share))
+        """With another status line; while a motion is awaited, the figures of the one before stay."""
+        status = Status(verdict, rest, busy, share)
+        if busy and self.shown is not None:
+            before = self.status
+            old = verdict is Verdict.PLANNING or before.old
+            old |= before.verdict in (Verdict.LANDED, Verdict.FELL)
+            status = replace(status, figures=before.figures, old=old)
+        return replace(self, status=status)
 
     def forgetting(self) -> TabState:
         """With no request on its way: the same one counts as a new one."""

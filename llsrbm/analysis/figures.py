@@ -53,6 +53,8 @@ class DesignFigures:
     model_turn_in_flight: float | None = None
     yaw_error_at_lift_off: float | None = None  # of the base against the plan, simulated, rad
     yaw_error_in_flight: float | None = None
+    # The least Izz in flight beyond that at the start, as a share of it.
+    Izz_change: float | None = None
 
     @property
     def valid(self) -> bool:
@@ -129,13 +131,14 @@ def _moving(
     """Figures of the first instants of a motion, as many as `yaw_rate` (K,) has."""
     until = slice(len(yaw_rate))
     com, quat = motion.com[until], motion.base_quat[until]
-    feet_radius = smallest_Izz = None
+    feet_radius = smallest_Izz = change = None
     if flight.any():
         radius = np.linalg.norm(
             (motion.foot_position[until] - com[:, None])[flight][..., :2], axis=-1
         )
         feet_radius = float(radius.mean(axis=1).min())
         smallest_Izz = float(motion.inertia[until][flight, 2, 2].min())
+        change = smallest_Izz / float(motion.inertia[0, 2, 2]) - 1
     peak = None if force is None else float(np.linalg.norm(force, axis=-1).max())
     weighed = peak is not None and isinstance(mass, float | int)
     return {
@@ -144,6 +147,7 @@ def _moving(
         "peak_yaw_rate": float(np.abs(yaw_rate).max()),
         "feet_radius": feet_radius,
         "smallest_Izz": smallest_Izz,
+        "Izz_change": change,
         "peak_force": peak,
         "peak_force_in_weights": peak / (mass * GRAVITY) if weighed else None,
     }

@@ -32,7 +32,8 @@ VIEW = {"width": 1280, "height": 800}
 PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
 BASE = "/links/base"  # of the first robot that a page draws
-FOLDERS = ("Scenario", "Limits", "Atlas", "Help")  # of the panel; all but the first in More
+# of the panel; those below Details in one of its tabs
+FOLDERS = ("Scenario", "Details", "More overlays", "Limits", "Atlas", "Help")
 COMPARE = "Results"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
@@ -131,7 +132,8 @@ def opened(browser, url, view=VIEW, *, tour=False, **options):
 
 
 def tab(page, name):
-    """Turn to a tab of the panel."""
+    """Turn to a tab of the panel's details."""
+    unfold(page, "Details")
     found = page.locator("[data-dock-area^=gui-tabs]").get_by_role("tab", name=name, exact=True)
     if found.get_attribute("aria-selected") != "true":
         found.click()
@@ -140,8 +142,8 @@ def tab(page, name):
 
 def unfold(page, name):
     """Open a folder of the panel."""
-    if name != "Scenario":
-        tab(page, "More")
+    if name not in ("Scenario", "Details"):
+        tab(page, "View" if name == "More overlays" else "More")
     title = page.get_by_role("button", name=name, exact=True)
     if title.get_attribute("aria-expanded") != "true":
         title.click()
@@ -174,7 +176,10 @@ def choose(page, label, value):
 def tick(page, label, ticked=True):
     """Tick a box of the tab View, or clear it."""
     tab(page, "View")
-    page.get_by_label(label, exact=True).set_checked(ticked)
+    box = page.get_by_label(label, exact=True)
+    if not box.is_visible():
+        unfold(page, "More overlays")
+    box.set_checked(ticked)
     page.wait_for_timeout(PACE)
 
 

@@ -91,6 +91,7 @@ def test_night_is_dark(page):
 
 def test_the_whole_bodys_plan_follows_unless_it_is_switched_off(page):
     """By default the whole body's plan follows the draft; the checkbox stays with drafts."""
+    tab(page, "More")
     box = page.get_by_label("Whole body", exact=True)
     assert box.is_checked()
     box.uncheck()

@@ -67,6 +67,7 @@ class Trails(Overlay):
         colours.FOOT,
     )
     at_first = True
+    common = True
 
     _lines: tuple[viser.LineSegmentsHandle, viser.LineSegmentsHandle] | None = None
 

@@ -30,6 +30,7 @@ class Forces(Overlay):
     place = 30
     tints = (colours.FORCE,)
     at_first = True
+    common = True
     root = "/arrows"
 
     def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:

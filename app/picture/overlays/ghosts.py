@@ -37,6 +37,7 @@ class Ghosts(Overlay):
     hint = "The plan beside its simulation, and what is pinned, where they are 2 cm apart or more."
     place = 50
     at_first = True
+    common = True
     parts = frozenset({"robot", "planned", "simulated", "ghosts", "prepared", "row"})
     needs_motion = False
 

@@ -48,6 +48,7 @@ class InertiaEllipsoids(Overlay):
     )
     place = 10
     at_first = True
+    common = True
     parts = frozenset({"robot", "planned", "simulated", "row"})
 
     _drawn: dict[str, Ellipsoid] | None = None

@@ -39,6 +39,7 @@ class LandingMarks(Overlay):
     place = 60
     tints = (colours.TARGET,)
     at_first = True
+    common = True
     parts = frozenset({"robot", "planned", "simulated", "blocks"})
 
     def __init__(self, scene: viser.SceneApi) -> None:

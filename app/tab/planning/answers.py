@@ -30,7 +30,7 @@ def take_plan_report(state: TabState, event: Reported) -> Step:
     if isinstance(report, reports.Progress):
         if state.status.verdict in ANSWERS:
             return state, ()
-        line = summaries.progress_line(report.text, report.iteration, report.residual)
+        line = summaries.progress_line(report.text, report.iteration)
         line = f"{state.work.instead}{line}"
         return state.with_status(Verdict.PLANNING, line, busy=True), ()
     dragging = state.work.dragging.answered(task)

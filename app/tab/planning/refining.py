@@ -74,8 +74,8 @@ def take_refined(state: TabState, event: Reported) -> Step:
     task = event.job.task
     assert isinstance(task, tasks.RefinePlan)
     match event.report:
-        case reports.Progress(text=text, iteration=iteration, residual=residual):
-            line = summaries.progress_line(text, iteration, residual)
+        case reports.Progress(text=text, iteration=iteration):
+            line = summaries.progress_line(text, iteration)
             if state.shown is None:
                 return state, ()
             return replace(state, status=_status(state, state.shown, line)), ()

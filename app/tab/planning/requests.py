@@ -56,9 +56,10 @@ def plan_or_keep(state: TabState) -> Step:
 def _submit_plan(state: TabState, task: tasks.PlanJump, *, follows: bool) -> Step:
     """Have a plan made; if it `follows` an answer that is shown, that stays until it is there."""
     if follows and state.status.verdict in ANSWERS:
-        state = replace(state, status=replace(state.status, busy=True))
+        state = replace(state, status=replace(state.status, busy=True, old=True))
     else:
-        state = state.with_status(Verdict.PLANNING, f"{state.work.instead}...", busy=True)
+        line = f"{state.work.instead or 'the jump '}..."
+        state = state.with_status(Verdict.PLANNING, line, busy=True)
     return submit(state, task)
 
 

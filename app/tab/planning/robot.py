@@ -22,7 +22,7 @@ def take_prepared(state: TabState, event: Reported) -> Step:
         return _take_meshes(state, event.report)
     match report := event.report:
         case reports.Progress():
-            line = summaries.progress_line(report.text, None, None)
+            line = summaries.progress_line(report.text, None)
             line = f"{state.work.instead}{line}"
             return state.with_status(Verdict.PLANNING, line, busy=True), ()
         case reports.Prepared(robot=robot):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import base_node, number, paused_at, player, press, status, tick
+from tests.app.chromium import base_node, number, paused_at, player, press, status, tab, tick
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
@@ -117,6 +117,7 @@ def test_with_the_keyboard_space_presses_the_button_and_arrows_choose_the_tab(pa
     assert not player(page, "playing")
     page.keyboard.press("ArrowRight")  # no button uses it
     assert player(page, "time") > 0.5
+    tab(page, "View")
     page.get_by_role("tab", name="View").focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("ArrowLeft")

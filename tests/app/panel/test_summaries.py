@@ -5,8 +5,10 @@ import re
 from dataclasses import replace
 from html import escape
 
+import numpy as np
 import pytest
 
+from app.panel.status import Verdict
 from app.panel.summaries import (
     drive_figures,
     plan_figures,
@@ -50,16 +52,47 @@ def test_a_solver_that_is_being_compiled_is_said_to_be(plan):
     assert "compiled" not in plan_status(plan).rest + plan_figures(plan)
 
 
-def test_a_plan_is_told_by_flight_apex_and_torque(plan):
-    status = plan_status(plan, "from file a.npz")
+def test_a_plan_is_told_by_inertia_flight_torque_and_what_its_model_leaves_out(plan):
+    flies = ~plan.contact.any(axis=1)
+    shaped = np.where(flies[:, None, None], 0.9, 1.0) * plan.inertia
+    status = plan_status(replace(plan, inertia=shaped), "from file a.npz")
     assert (status.verdict, status.rest) == ("Draft", f"from file a.npz, as {KNOTS_ONLY}")
-    (flight, apex, torque) = status.figures
+    (inertia, flight, torque, turn) = status.figures
+    assert inertia == ("Izz in flight", "−10 %")
     assert flight == ("Flight time", f"{FLY:.3f} s")
-    assert re.fullmatch(r"\d+\.\d cm", apex[1])
     assert re.fullmatch(r"\d+ %", torque[1])
+    assert (turn[0], turn[1][-1]) == ("Model's turn error", "°")
     assert re.sub(r"<[^>]*>", "", status.html).startswith(
-        f"Draft from file a.npz, as {KNOTS_ONLY} Flight time 0."
+        f"Draft from file a.npz, as {KNOTS_ONLY} Izz in flight "
     )
+
+
+def test_a_flip_is_told_by_its_turn():
+    flip = synthetic_plan(Jump(robot="go2", type="flip", pitch=-math.tau))
+    flip = replace(flip, angular_velocity=np.zeros_like(flip.com))
+    flip.angular_velocity[:, 1] = -math.tau / flip.duration
+    assert plan_status(flip).figures[0] == ("Turn", "−360.0°")
+
+
+def test_figures_of_the_motion_before_are_marked_and_all_that_is_awaited_is_amber(plan):
+    status = replace(plan_status(plan), busy=True, old=True)
+    assert '<dl class="old"' in status.html
+    assert 'class="old"' not in plan_status(plan).html
+    colours = {
+        re.search(r"--verdict:(#\w+)", replace(status, verdict=verdict).html)[1]
+        for verdict in Verdict
+    }
+    assert len(colours) == 1
+
+
+def test_checks_that_hold_are_counted(plan):
+    broken = Finding("slip", 0.02, 0.01, "m", "RL", 0.3, False, 0.01)
+    held = Finding("friction", 0.2, 0.5, "", "RL", 0.3, True, 0.5)
+    whole = refined_plan(plan)
+    half = replace(whole, certificate=Certificate((broken, held)).as_dict())
+    assert "held\">1/1 checks<" in plan_status(whole).html
+    assert "broken\">1/2 checks<" in plan_status(half).html
+    assert "checks" not in plan_status(plan).html
 
 
 def test_a_plan_is_feasible_and_green_over_a_certificate_that_holds_alone(plan):
@@ -97,7 +130,8 @@ def test_a_refusal_is_told_by_the_nearest_and_the_reason(plan):
 def test_landed(rollout):
     status = simulated_status(rollout)
     assert (status.verdict, status.limit, status.rest) == ("Landed", "", "")
-    assert status.figures == (("Yaw error", "−2.9°"), ("Tilt", "0.1°"), ("Foot error", "13 mm"))
+    figures = [("Yaw error", "−2.9°"), ("Tilt", "0.1°"), ("Foot error", "13 mm")]
+    assert status.figures == (*figures, ("Peak torque", "75 %"))
 
 
 def test_a_landing_that_is_not_strict_says_so(rollout):

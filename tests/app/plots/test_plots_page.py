@@ -246,6 +246,7 @@ def test_the_area_is_minimised_and_opened(page):
     drawn(page, OVERVIEW_CHARTS)
     page.locator("[data-llsrbm-pinned] [data-dock-minimize]").first.click()
     page.wait_for_function("document.querySelectorAll('.uplot').length === 0")
+    tab(page, "Plots")
     box = page.get_by_label("Plot area")
     wait_until(lambda: not box.is_checked(), "the server's word")
     page.wait_for_timeout(600)

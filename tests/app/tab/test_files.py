@@ -94,7 +94,7 @@ def test_a_plan_is_shown_without_planning(tab):
     assert tab.state.note == "Opened mine.npz. It is old."
     assert tab.told[0] is Verdict.DRAFT
     assert tab.told[1] == "from file mine.npz, as its drives were looked at in knots only"
-    assert tab.state.status.figures[0] == ("Flight time", "0.500 s")
+    assert tab.state.status.figures[1] == ("Flight time", "0.500 s")
     assert tab.move() == ()  # it counts as planned
     tab.move(forward=0.13)
     assert tab.one.task.near is plan

@@ -94,7 +94,7 @@ def test_progress_is_on_the_status_line():
     tab = PureTab()
     tab.move(forward=0.1)
     tab.report(Progress(0, "solving", iteration=3, residual=1e-3))
-    assert tab.told == (Verdict.PLANNING, "(solving, iteration 3, residual 1.0e−03) ...")
+    assert tab.told == (Verdict.PLANNING, "(solving, step 3) ...")
     assert tab.state.status.busy
 
 

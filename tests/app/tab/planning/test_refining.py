@@ -37,8 +37,8 @@ def test_the_plan_that_is_shown_is_refined_and_comes_back():
     assert tab.state.status.busy
     assert tab.told == (Verdict.DRAFT, "(the whole body's plan follows) ...")
     tab.report(Progress(0, "refining", iteration=3, residual=1e-3))
-    assert tab.told == (Verdict.DRAFT, "(refining, iteration 3, residual 1.0e−03) ...")
-    assert tab.state.status.figures[0] == ("Flight time", "0.500 s")
+    assert tab.told == (Verdict.DRAFT, "(refining, step 3) ...")
+    assert tab.state.status.figures[1] == ("Flight time", "0.500 s")
     finish(tab)
     assert tab.state.plan.refined
     assert tab.told == (Verdict.FEASIBLE, "")
