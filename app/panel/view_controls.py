@@ -71,7 +71,9 @@ class ViewControls:
             gui.add_html(_MARKER)
             for group in Group:
                 gui.add_html(html.heading(group.value))
-                rest = [n for n, each in OVERLAYS.items() if each.group is group and not each.common]
+                rest = [
+                    n for n, each in OVERLAYS.items() if each.group is group and not each.common
+                ]
                 self.fields.add(*(BOXES[name] for name in rest))
         gui.add_html(html.heading("Page"))
         self.fields.add(*SWITCHES)

@@ -16,7 +16,17 @@ from tests.app.shared_page import visit
 pytestmark = pytest.mark.browser
 
 DESK, TABLET = {"width": 1280, "height": 800}, {"width": 820, "height": 1180}
-PLACES = ("View", "More overlays", "Results", "Plots", "Files", "Scenario", "Limits", "Atlas", "Help")
+PLACES = (
+    "View",
+    "More overlays",
+    "Results",
+    "Plots",
+    "Files",
+    "Scenario",
+    "Limits",
+    "Atlas",
+    "Help",
+)
 
 RUN = """async () => {
   const found = await axe.run(document, {
