@@ -159,7 +159,7 @@ ALSO = tuple(
 
 
 class FileControls:
-    """Above: open; further down, where they are asked for, notes, format and export, and the rest."""
+    """Above: open; further down, where asked for, notes, format and export, and the rest."""
 
     def __init__(
         self,

@@ -103,7 +103,7 @@ class About(NamedTuple):
 
 
 class JumpControls:
-    """Robot, type, arms and sliders, added to the container that is open; the model, where asked."""
+    """Robot, type, arms and sliders, in the container that is open; the model, where asked for."""
 
     def __init__(
         self, gui: viser.GuiApi, jump: Jump, robots: Mapping[str, RobotFile], acted: Put

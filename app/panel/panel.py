@@ -1,8 +1,8 @@
 """One tab's controls and what they show. Labels are part of the contract.
 
 One scroll, from the top: undo and files as icons; robot, jump and sliders; the verdict; the model;
-Simulate with its scenario, folded; the export; details, folded, in tabs. The panel holds no facts: it
-is read and drawn by the session's thread.
+Simulate with its scenario, folded; the export; details, folded, in tabs. The panel holds no facts:
+it is read and drawn by the session's thread.
 """
 
 from __future__ import annotations

@@ -281,7 +281,7 @@ class TabState:
     def with_status(
         self, verdict: Verdict, rest: str, *, busy: bool = False, share: float | None = None
     ) -> TabState:
-        """With another status line; while a motion is awaited, the figures of the one before stay."""
+        """With another status line; the figures of the motion before stay while one is awaited."""
         status = Status(verdict, rest, busy, share)
         if busy and self.shown is not None:
             before = self.status
