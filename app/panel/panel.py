@@ -82,7 +82,7 @@ class Panel:
     def _add_details(
         self, gui: viser.GuiApi, view: View, plots: PlotChoice, sweeps: Sequence[str], put: Put
     ) -> None:
-        """What a first jump does not need, in tabs."""
+        """The rest, which a first jump does not need, in tabs."""
         tabs = gui.add_tab_group()
         with tabs.add_tab("View"):
             self.view = ViewControls(gui, view, put)

@@ -65,7 +65,7 @@ def _plan_figures(plan: Plan) -> tuple[tuple[str, str], ...]:
 
 
 def _turn(plan: Plan) -> tuple[str, str]:
-    """By how much the body turns over, about the axis that the request names."""
+    """The turn of the body about the axis that the request names."""
     axis = 1 if plan.jump.pitch else 0
     turned = np.trapezoid(plan.angular_velocity[:, axis], plan.time)
     return "Turn", degrees(float(turned), signed=True)
