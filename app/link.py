@@ -121,6 +121,21 @@ class PinPressed:
 
 
 @dataclass(frozen=True, config=_FROM_PAGE)
+class GalleryOpened:
+    """The examples are to be seen."""
+
+    kind: Literal["gallery"] = "gallery"
+
+
+@dataclass(frozen=True, config=_FROM_PAGE)
+class ExampleChosen:
+    """An example was chosen, if there is one of that name."""
+
+    name: Name
+    kind: Literal["example"] = "example"
+
+
+@dataclass(frozen=True, config=_FROM_PAGE)
 class ComparisonClosed:
     """The comparison was closed, done or not."""
 
@@ -189,6 +204,8 @@ PageEvent = (
     | AtlasSeen
     | AtlasClicked
     | PinPressed
+    | GalleryOpened
+    | ExampleChosen
     | ComparisonClosed
     | CertificateAsked
     | BesideChosen

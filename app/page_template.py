@@ -28,6 +28,7 @@ SCRIPTS = (
     "compare.js",
     "parts.js",
     "handles.js",
+    "gallery.js",
     "tour.js",
     "panel.js",
     "tuning.js",

@@ -37,6 +37,7 @@ class Act(Enum):
         "history", "Undo", "Go back to the design before the last change", Icon.ARROW_BACK_UP
     )
     REDO = Button("history", "Redo", "Restore the design that was undone", Icon.ARROW_FORWARD_UP)
+    EXAMPLES = Button("examples", "Examples", "Designs to start from, each with a moving picture")
     SHARE = Button("share", "Share", "Make a link that opens this design", Icon.LINK)
     COMPARE_REPLANNING = Button(
         "push",
@@ -104,7 +105,6 @@ class Act(Enum):
     ATLAS = "atlas"
     PINNED = "pinned"
     FILES = "files"
-    EXAMPLE = "example"
     PLOTS = "plots"
     PLOT_AREA = "plot area"
 

@@ -1,8 +1,8 @@
-"""The controls for files: open, examples, save, and what is exported in which formats."""
+"""The controls for files: open, save, and what is exported in which formats."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from html import escape
@@ -16,13 +16,10 @@ from app.panel.fields import Field, Fields
 from app.panel.html import SMALL, note
 from app.viser_private import take_upload
 from llsrbm.formats import FORMATS, ORDERS, Options, availability, readable
-from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump
 from llsrbm.robots import Robot
 
 SIMULATION, PLAN = "simulation", "plan"
 
-_NO_EXAMPLE = "choose ..."
 _FASTEST, _FASTEST_FILM = 1000.0, 60.0  # frames/s; every one of a film is drawn
 _LONGEST_PAD = 10.0  # s
 
@@ -164,14 +161,12 @@ class FileControls:
     def __init__(
         self,
         client: viser.ClientHandle,  # whose tab
-        examples: Mapping[str, Design],  # to choose from by their titles
         put_act: Put,  # called with acts
         open_file: Callable[[str, bytes], None],  # called with a name and content, whatever it is
     ) -> None:
         """The callbacks are called on viser's event loop and must return at once."""
         gui = self._gui = client.gui
         self._put = put_act
-        self._examples = {design.title: design for design in examples.values()}
         # the button that opens a file
         self.open = gui.add_upload_button(
             "Open",
@@ -206,19 +201,8 @@ class FileControls:
         self._note = self._gui.add_html("", visible=False)
 
     def add_tab(self) -> None:
-        """Add examples, the design's file and how motions are written, in the open container."""
+        """Add the design's file and how motions are written, in the open container."""
         gui = self._gui
-        # the design, an example or another one
-        self.design = Fields(gui, Design(Jump()), None, self._put, Act.EXAMPLE)
-        self.design.add(
-            Field(
-                "Example",
-                None,
-                get=lambda design: design.title if design.title in self._examples else _NO_EXAMPLE,
-                put=lambda design, title: self._examples.get(title, design),
-                options=(_NO_EXAMPLE, *self._examples),
-            )
-        )
         self.fields.add(RATE)
         self.buttons |= add_buttons(gui, "files", self._put)
         self.fields.add(OPTIONS[0])
@@ -227,11 +211,10 @@ class FileControls:
         with gui.add_folder("Several in one zip", expand_by_default=False):
             self.fields.add(*ALSO)
 
-    def show(self, design: Design, text: str, choice: FileChoice, busy: str) -> None:
-        """The design as an example, if it is one; a text on it, or on a file; the options of an
-        export; and the file that is being read or written, "" for none.
+    def show(self, text: str, choice: FileChoice, busy: str) -> None:
+        """A text on the design, or on a file; the options of an export; and the file that is being
+        read or written, "" for none.
         """
-        self.design.show(design, None)
         self.fields.show(choice, choice)
         self._note.content = note(text)
         self._note.visible = bool(text)

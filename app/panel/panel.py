@@ -52,7 +52,6 @@ class Panel:
         view: View,
         plots: PlotChoice,
         robots: Mapping[str, RobotFile],  # name -> file of each robot to choose from
-        examples: Mapping[str, Design],  # to choose from
         sweeps: Sequence[str],  # names of the sweeps whose atlases can be chosen
         *,
         put: Put,  # called with what the visitor did
@@ -61,8 +60,9 @@ class Panel:
         """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
         gui.add_html(html.note(_WHAT_IT_IS))
-        self.buttons = add_buttons(gui, "share", put)  # all of them, by their acts
-        self.files = FileControls(client, examples, put, open_file)
+        self.buttons = add_buttons(gui, "examples", put)  # all of them, by their acts
+        self.buttons |= add_buttons(gui, "share", put)
+        self.files = FileControls(client, put, open_file)
         self.buttons |= add_buttons(gui, "history", put)
         self.jump = JumpControls(gui, design.jump, robots, put)
         self._status = gui.add_html("")

@@ -1,11 +1,17 @@
-// The first minute: four cards that point at what matters, once for each browser. It can be skipped
-// with a click or Escape, and opened again by `llsrbm.tour.start()` (the panel's Help tab).
+// The first minute: a welcome that says what the page is, with the way to the examples, and four cards
+// that point at what matters, once for each browser. It can be skipped with a click or Escape, and the
+// cards opened again by `llsrbm.tour.start()` (the panel's Help tab).
 (() => {
-  const { element, addToPage } = window.llsrbm;
+  const { page, element, addToPage } = window.llsrbm;
   const SEEN = "llsrbm.tour"; // name in the browser's storage
   const AWAY = 12; // pixels between a card and what it points at
 
   const STEPS = [
+    {
+      title: "Design a jump; see why inertia matters", at: () => null,
+      text: "A legged robot's jump is planned within the limits of its drives while you move a " +
+        "slider, and the whole robot follows the plan in a simulation.",
+    },
     {
       title: "Move a slider", at: () => control("Twist [deg]"),
       text: "The jump is planned while you drag, and the robot replays it at once.",
@@ -49,10 +55,17 @@
   const text = element("p");
   const count = element("span");
   const skip = element("button", { type: "button", onclick: end }, "Skip");
+  const examples = element("button", {
+    type: "button",
+    onclick() {
+      end();
+      page.send({ kind: "gallery" });
+    },
+  }, "Examples");
   const next = element("button", { type: "button", onclick: () => show(at + 1) }, "Next");
   const card = element("div",
     { id: "llsrbm-tour", role: "dialog", "aria-labelledby": "llsrbm-tour-title", "aria-live": "polite" },
-    title, text, element("div", { class: "line" }, count, skip, next));
+    title, text, element("div", { class: "line" }, count, skip, examples, next));
 
   let at = -1, pointed = null;
 
@@ -80,8 +93,9 @@
     const step = STEPS[index];
     title.textContent = step.title;
     text.textContent = step.text;
-    count.textContent = `${index + 1} of ${STEPS.length}`;
-    next.textContent = index + 1 < STEPS.length ? "Next" : "Done";
+    count.textContent = index ? `${index} of ${STEPS.length - 1}` : "";
+    next.textContent = !index ? "Tour" : index + 1 < STEPS.length ? "Next" : "Done";
+    examples.style.display = index ? "none" : "";
     skip.style.display = index + 1 < STEPS.length ? "" : "none";
     pointed?.classList.remove("llsrbm-pointed");
     pointed = step.at();
@@ -106,7 +120,7 @@
 
   // The panel's details have a button for it (app/panel/html.py).
   document.addEventListener("click", (event) => {
-    if (event.target instanceof Element && event.target.closest("[data-tour]")) show(0);
+    if (event.target instanceof Element && event.target.closest("[data-tour]")) show(1);
   });
   window.addEventListener("resize", place);
   window.addEventListener("keydown", (event) => {
@@ -115,7 +129,7 @@
   addToPage(STYLE, card);
 
   window.llsrbm.tour = {
-    start: () => show(0),
+    start: () => show(1),
     // When the first motion plays.
     offer() {
       if (at < 0 && !seen()) show(0);

@@ -6,15 +6,16 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from app import gallery
 from app.guard.validation import number
-from app.link import TuningChosen
+from app.link import ExampleChosen, GalleryOpened, TuningChosen
 from app.panel.acts import Act
 from app.panel.jump_types import with_type
 from app.panel.tuning import entries_of
 from app.panel.view_controls import View
 from app.picture.landing_handle import LandingDragged
 from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
-from app.tab.effects import Notify, Share, ShowTuning
+from app.tab.effects import Notify, Share, ShowGallery, ShowTuning
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
 from llsrbm.request import jump_types
@@ -102,7 +103,17 @@ def choose_number(state: TabState, event: TuningChosen) -> Step:
     return also(update(state, Corrected(chosen, tuple(wrong))), ShowTuning(chosen))
 
 
-reads(Act.EXAMPLE, lambda state, panel: panel.files.design.read(state.design, None))
+@on(Act.EXAMPLES, GalleryOpened)
+def show_examples(state: TabState, _: GalleryOpened | None = None) -> Step:
+    """Show the gallery."""
+    return state, (ShowGallery(),)
+
+
+@on(ExampleChosen)
+def choose_example(state: TabState, event: ExampleChosen) -> Step:
+    """Plan the example of that name."""
+    design = gallery.designs().get(event.name)
+    return (state, ()) if design is None else choose_design(state, design)
 
 
 @on(Design)

@@ -12,6 +12,7 @@ from typing import Any
 
 import viser
 
+from app import gallery
 from app.link import PageLink
 from app.tab.inbox import Inbox
 from app.workers.pool import WorkerPool
@@ -66,6 +67,7 @@ class Outside:
         self, client: viser.ClientHandle, pool: WorkerPool, link: PageLink, inbox: Inbox
     ) -> None:
         self.client, self.pool, self.link, self.inbox = client, pool, link, inbox
+        self.has_gallery = False  # the page has the examples' pictures
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
     def name(self, queue: Queue) -> tuple[int, Queue]:
@@ -217,6 +219,17 @@ class Share(Effect):
 
     def do(self, outside: Outside) -> None:
         outside.link.call("page.share", dump_design(self.design))
+
+
+@dataclass(frozen=True)
+class ShowGallery(Effect):
+    """Show the examples; their pictures are sent once."""
+
+    def do(self, outside: Outside) -> None:
+        if not outside.has_gallery:
+            outside.has_gallery = True
+            outside.link.call("gallery.fill", gallery.cards())
+        outside.link.call("gallery.open")
 
 
 @dataclass(frozen=True)

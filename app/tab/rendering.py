@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -35,7 +35,6 @@ from llsrbm.analysis.figures import figures_of_plan
 from llsrbm.look.palette import css
 from llsrbm.look.timeline import timeline
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.design import Design
 
 
 class Rendering:
@@ -46,8 +45,7 @@ class Rendering:
         client: viser.ClientHandle,  # the tab
         link: PageLink,  # to the scripts in its page
         state: TabState,  # to begin with; it is drawn by `draw`
-        examples: Mapping[str, Design],  # examples, atlases: to choose from
-        atlases: Atlases,
+        atlases: Atlases,  # to choose from
         *,
         # put, open_file: called on viser's event loop with what the visitor does; must return at
         # once
@@ -63,7 +61,6 @@ class Rendering:
             state.view,
             state.plots,
             state.robots,
-            examples,
             atlases.names,
             put=put,
             open_file=open_file,
@@ -128,7 +125,7 @@ class Rendering:
         panel.scenario.automatic.show(state.automatic, None)
         panel.view.fields.show(state.view, None)
         busy = state.files.saving_note or state.files.opening_note
-        panel.files.show(design, state.note, state.file_choice, busy)
+        panel.files.show(state.note, state.file_choice, busy)
         if robot is not None:
             if self._changed("robot", robot):
                 panel.show_robot(robot)

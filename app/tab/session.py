@@ -40,7 +40,7 @@ from app.workers.pool import WorkerPool
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.design import Design, examples
+from llsrbm.request.design import Design
 from llsrbm.robots import RobotFile
 
 # Until a tab begins without its page's scripts, which answer when they are shown, s.
@@ -160,7 +160,6 @@ class Session:
             client,
             link,
             self.state,
-            examples(),
             self._atlases,
             put=put,
             open_file=lambda name, content: put(FileChosen(name, content)),

@@ -10,7 +10,6 @@ from app.guard.token import Access
 from app.page_template import page
 from app.panel.file_controls import FileControls
 from app.viser_private import DesignerServer
-from llsrbm.request.design import examples
 
 
 class DesignPage:
@@ -37,7 +36,6 @@ class DesignPage:
 
         controls = FileControls(
             client,
-            examples(),
             lambda act: self.told.put((act.name.lower(),)),
             open_file=lambda name, content: self.told.put(("upload", name, content)),
         )

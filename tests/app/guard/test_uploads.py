@@ -205,7 +205,7 @@ def test_garbage_closes_its_connection_and_no_other(page, tab, garbage, caplog):
         ("Twist [deg]", {"value": float("nan")}),
         ("Twist [deg]", {"value": None}),
         ("Open", {"value": [1]}),
-        ("Example", [1, 2]),
+        ("Format", [1, 2]),
         ("Save design", None),
     ],
 )

@@ -7,13 +7,12 @@ import pytest
 from app.panel.file_controls import FileChoice
 from app.workers.opened_file import uploaded_design
 from llsrbm.errors import InputError
-from llsrbm.request.design import Design, dump_design, examples
+from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.robots import names
 from tests.app.design_page import design_page
 from tests.app.raw_tab import RawTab
 
-EXAMPLES = examples()
 ROBOTS = ", ".join(names())
 
 
@@ -36,22 +35,12 @@ def html(tab):
     return found[1]  # after the one that says what is being saved
 
 
-def test_an_example_is_handed_over(page, tab):
-    box = EXAMPLES["slider-box"]
-    tab.set("Example", box.title)
-    assert page.next() == ("example",)
-    assert tab.controls_of_page.design.read(Design(Jump()), None) == (box, [])
-
-
-def test_what_is_shown_is_named_with_its_note(tab):
-    design = EXAMPLES["anymal-board"]
-    tab.controls_of_page.show(design, "a <b> & note", FileChoice(), "")
+def test_what_is_shown_has_its_note(tab):
+    tab.controls_of_page.show("a <b> & note", FileChoice(), "")
     tab.wait(lambda: html(tab)["visible"], "the note")
     assert "a &lt;b&gt; &amp; note" in html(tab)["content"]
-    assert tab.value("Example") == design.title
-    tab.controls_of_page.show(Design(Jump()), "", FileChoice(), "")
+    tab.controls_of_page.show("", FileChoice(), "")
     tab.wait(lambda: not html(tab)["visible"], "no note")
-    assert tab.value("Example") == "choose ..."
 
 
 @pytest.mark.parametrize(

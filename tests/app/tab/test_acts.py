@@ -30,7 +30,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
     tab = PureTab()
     assert shown(tab) == {
         *("SIMULATE", "SHARE", "SEEDS", "SAVE", "ADD_CHART", "REMOVE_CHART"),
-        "COMPARE_MODELS",
+        *("COMPARE_MODELS", "EXAMPLES"),
     }
     tab = planned_tab()
     assert shown(tab) == {
@@ -45,7 +45,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
             "UNDO",
             "CHECK",
         ),
-        *("COMPARE_MODELS", "COMPARE_DRIVES"),
+        *("COMPARE_MODELS", "COMPARE_DRIVES", "EXAMPLES"),
         *("ADD_CHART", "REMOVE_CHART", "SAVE_LINES"),
     }
     tab.take(Act.PIN)
