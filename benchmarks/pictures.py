@@ -166,14 +166,8 @@ def _large(page: Page) -> None:
 
 
 def _compare(page: Page) -> None:
-    choose(page, "Model", "SRBM")
-    page.wait_for_timeout(300)
-    status(page, "Feasible", timeout=PATIENCE)
-    tab(page, "Results")
-    press(page, "Pin")
-    choose(page, "Model", "LL-SRBM+")
-    page.wait_for_timeout(300)
-    status(page, "Feasible", timeout=PATIENCE)
+    press(page, "Compare models")
+    page.locator("#llsrbm-compare").get_by_text("Figures").wait_for(timeout=PATIENCE)
     hold(page, 0.62)
 
 

@@ -21,8 +21,7 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design, examples
 
 SIZE = (192, 144)  # pixels
-DRAWN = (576, 512)  # three times as large: smooth edges without a graphics processor
-CAPTION = 80  # of these, at the top
+DRAWN = (288, 216)  # larger, for smooth edges, and too small for a caption
 FPS = 15.0  # pictures/s of the thumbnail
 BEFORE, AFTER = 0.25, 0.6  # s of the motion before lift-off and after touchdown
 RESTS = 600  # ms for which the last picture stands
@@ -56,7 +55,7 @@ def _frames(design: Design) -> list[Image.Image]:
     first, last = (round(rate * time) for time in _span(rollout))
     drawn = pictures(rollout, Options(fps=rate, size=DRAWN))
     kept = [picture for k, picture in enumerate(drawn) if first <= k <= last]
-    return [Image.fromarray(each[CAPTION:]).resize(SIZE, Image.Resampling.LANCZOS) for each in kept]
+    return [Image.fromarray(each).resize(SIZE, Image.Resampling.LANCZOS) for each in kept]
 
 
 def _plan(design: Design) -> Plan:
@@ -71,7 +70,7 @@ def _plan(design: Design) -> Plan:
 
 
 def _span(rollout: Rollout) -> tuple[float, float]:
-    """Of what is shown, s."""
+    """Beginning and end of what is shown, s."""
     plan = rollout.plan
     flights = plan.schedule.flights
     lift_off = float(plan.phase_start[flights[0]])

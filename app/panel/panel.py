@@ -115,6 +115,7 @@ class Panel:
         robot, kind, arms = map(uuid_of, self.jump.menus)
         icons = [self.buttons[act] for act in (Act.SHARE, Act.UNDO, Act.REDO)]
         return {
+            "examples": uuid_of(self.buttons[Act.EXAMPLES]),
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),

@@ -5,7 +5,7 @@
   const HIGH = 1000; // pixels of a window from which on the table is open at first
 
   const STYLE = `
-    #llsrbm-compare { position: relative; padding: 2px 34px 6px 2px; margin-bottom: 6px;
+    #llsrbm-compare { position: relative; max-height: 30vh; overflow-y: auto; padding: 2px 34px 6px 2px; margin-bottom: 6px;
       font: 13px/1.45 system-ui, sans-serif; user-select: text;
       border-bottom: 1px solid var(--mantine-color-default-border); }
     #llsrbm-compare .ways { display: flex; flex-wrap: wrap; gap: 2px 14px; margin: 0; padding: 0;

@@ -168,14 +168,16 @@
   const row = (uuid) => `${MAIN} > :has([id$="${uuid}"])`;
   const button = (uuid) => `.mantine-Button-root[id="${uuid}"]`;
 
-  // `icons`: the first row; `menus`: robot, type and, while it is there, arms, in one row, each below
-  // its label; `model`: its menu, and what compares models; `nearest`: lies on the verdict before it, at the lower right; `main`: to be pressed;
+  // `examples`, `icons`: the first row; `menus`: robot, type and, while it is there, arms, in one row, each below
+  // its label; `model`: its menu, and what compares models; `nearest`: lies on the verdict before it,
+  // at the lower right; `main`: to be pressed;
   // `cancel` beside it, while there is something to cancel; `format`, `save`: in one row.
-  function arrangement({ icons, format, save, menus, model, nearest, main, cancel }) {
+  function arrangement({ examples, icons, format, save, menus, model, nearest, main, cancel }) {
     const [robot, type, arms] = menus, armed = `${MAIN}:has([id$="${arms}"])`;
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
     const flex = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > .mantine-Flex-root`;
     return `
+      ${row(examples)} { grid-column: span 11; }
       ${icons.map(row).join()} { grid-column: span 2; }
       :is(${icons.map(button).join()}) { padding: 0 !important; }
       :is(${icons.map(button).join()})[data-disabled] { opacity: 0; }

@@ -2,7 +2,7 @@
 // that point at what matters, once for each browser. It can be skipped with a click or Escape, and the
 // cards opened again by `llsrbm.tour.start()` (the panel's Help tab).
 (() => {
-  const { page, element, addToPage } = window.llsrbm;
+  const { page, layout, element, addToPage } = window.llsrbm;
   const SEEN = "llsrbm.tour"; // name in the browser's storage
   const AWAY = 12; // pixels between a card and what it points at
 
@@ -123,6 +123,7 @@
     if (event.target instanceof Element && event.target.closest("[data-tour]")) show(1);
   });
   window.addEventListener("resize", place);
+  layout.onMove(place);
   window.addEventListener("keydown", (event) => {
     if (event.key === "Escape" && at >= 0) end();
   });

@@ -149,26 +149,33 @@ def _landed(way: Way) -> bool:
 
 def _clause(way: Way, *, of_models: bool, follows: bool) -> str:
     """`follows`: another clause has said what is measured."""
+    # A model turns by itself; a robot with something, or without.
+    who, how = (way.name, "") if of_models else ("the robot", f" {_condition(way.name)}")
     rollout = way.rollout
     if rollout is None:
-        return f"{way.name} has no plan" + (f" ({way.why_not.rstrip('.')})" if way.why_not else "")
+        reason = f" ({way.why_not.rstrip('.')})" if way.why_not else ""
+        return f"{who} has no plan{how}{reason}"
     turn, fell = turning(rollout), rollout.outcome.fell_at_s
     if turn.off is None:
         at = "" if fell is None else f" at {decimal(fell, 2)} s"
-        return f"{way.name} falls{at} and does not touch down on its feet"
+        return f"{who} falls{at}{how} and does not touch down on its feet"
     amount = degrees(abs(turn.off))
     if turn.requested:
-        how = "less" if turn.off < 0 else "more"
-        words = f"{way.name} {amount} {how}"
-        if not follows:
-            words = f"at touchdown {way.name} has turned {amount} {how} than planned"
+        amount = f"{amount} {'less' if turn.off < 0 else 'more'}"
+        words = f"at touchdown {who} has turned {amount} than planned{how}"
     else:
-        words = f"{way.name} {amount}"
-        if not follows:
-            words = f"at touchdown {way.name} is {amount} off its plan in {turn.axis}"
+        words = f"at touchdown {who} is {amount} off its plan in {turn.axis}{how}"
+    if follows:
+        words = f"{who} {amount}" if of_models else f"{amount}{how}"
     about = _about_model(turn) if of_models else f"feet {_feet(way)} mm off at the end"
     after = "" if fell is None else f", and falls at {decimal(fell, 2)} s"
     return f"{words} ({about}){after}"
+
+
+def _condition(name: str) -> str:
+    """Such as "with ideal drives", "without replanning"."""
+    words = name.lower()
+    return words if words.startswith("with") else f"with {words}"
 
 
 def _about_model(turn: Turning) -> str:

@@ -172,7 +172,7 @@ def test_replanning_is_compared_on_the_plan_that_is_shown(tab):
     assert [each.solid.rollout.scenario.replan for each in comparing.contenders] == [False, True]
     assert all(each.solid.plan is tab.state.plan for each in comparing.contenders)
     assert all(each.solid.rollout.scenario.pushes for each in comparing.contenders)
-    assert card(comparing)["sentence"].startswith("At touchdown Without replanning has turned")
+    assert card(comparing)["sentence"].startswith("At touchdown the robot has turned")
 
 
 def test_drives_are_compared_on_the_plan_that_is_shown(tab):

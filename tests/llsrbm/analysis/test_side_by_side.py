@@ -119,8 +119,13 @@ def test_what_has_no_plan_or_falls_is_said():
 def test_of_scenarios_it_is_the_feet_that_count():
     ways = [Way("Ideal drives", rollout(off=0.0)), Way("True drives", rollout())]
     assert sentence(ways, of_models=False) == (
-        "At touchdown Ideal drives has turned 0.0° more than planned (feet 13 mm off at the end); "
-        "True drives 3.4° less (feet 13 mm off at the end)."
+        "At touchdown the robot has turned 0.0° more than planned with ideal drives (feet 13 mm "
+        "off at the end); 3.4° less with true drives (feet 13 mm off at the end)."
+    )
+    ways = [Way("Without replanning", rollout(fell_at=1.4)), Way("Held arms", why_not="too fast")]
+    assert sentence(ways, of_models=False).endswith(
+        "than planned without replanning (feet 13 mm off at the end), and falls at 1.40 s; "
+        "the robot has no plan with held arms (too fast)."
     )
 
 
