@@ -1,6 +1,6 @@
 """Moving thumbnails of the examples: `python -m benchmarks.thumbnails [NAME ...]`, or all of them.
 
-Each is a design's draft as the whole robot follows it, drawn by the exporter of videos, from
+Each is a design's plan as the whole robot follows it, drawn by the exporter of videos, from
 shortly before lift-off until the robot stands; a flip at half its speed. They ship in
 `assets/thumbnails`.
 """
@@ -13,6 +13,7 @@ from PIL import Image
 
 import llsrbm
 from app.gallery import FOLDER, thumbnail_file
+from app.tab.start.initial_plan import example, shipped_plan
 from llsrbm.errors import NotConverged
 from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.video import pictures
@@ -59,8 +60,12 @@ def _frames(design: Design) -> list[Image.Image]:
 
 
 def _plan(design: Design) -> Plan:
-    """Its draft, or the nearest one, which the page shows."""
+    """The plan that ships of it, its draft, or the nearest one, which the page shows."""
     jump, tuning = design.jump, design.tuning
+    if jump == example(jump.robot) and not (tuning.weights or tuning.limits):
+        shipped = shipped_plan(jump.robot)
+        if shipped is not None:
+            return shipped
     try:
         return llsrbm.plan(jump, weights=tuning.weights, limits=tuning.limits, draft=True)
     except NotConverged as error:

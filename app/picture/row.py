@@ -24,8 +24,7 @@ from app.picture.drawing import Drawing
 from app.picture.overlays.inertia_ellipsoids import Ellipsoid, InertiaEllipsoids
 from app.picture.picture import Picture, Standing
 from app.picture.robot_nodes import RobotNodes, RobotShelf, shadow_track
-from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.mechanics import Array
+from llsrbm.mechanics import Array, turns_about_z
 from llsrbm.motion.surroundings import Block
 
 _FREE = 0.25  # m between what two neighbours sweep
@@ -62,7 +61,7 @@ class Row(Drawing):
             self._points = np.zeros((0, 3))
             return ()
         self._turns = bool(picture.planned.plan.jump.pitch)
-        rooms = [around(each.robot, *_poses(each.frames)).reshape(-1, 3) for each in row]
+        rooms = [_room(each) for each in row]
         shifts = _shifts(rooms, _index_of_shown(picture), 0 if self._turns else 1)
         self._points = np.concatenate(
             [outermost(room) + by for room, by in zip(rooms, shifts, strict=True)]
@@ -170,8 +169,18 @@ def _index_of_shown(picture: Picture) -> int:
     return next(k for k, each in enumerate(picture.row) if each.frames is picture.solid)
 
 
-def _poses(frames: ShownMotion) -> tuple[Array, Array]:
-    return frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY]
+def _room(standing: Standing) -> Array:
+    """(P, 3) m: points between which a robot moves, and what stands around it is."""
+    frames = standing.frames
+    poses = frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY]
+    swept = around(standing.robot, *poses).reshape(-1, 3)
+    return np.concatenate([swept, *map(_corners, standing.blocks)])
+
+
+def _corners(block: Block) -> Array:
+    """(8, 3) m."""
+    signs = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
+    return np.asarray(block.centre + (signs * block.size) @ turns_about_z(block.yaw).T)
 
 
 def _shifts(rooms: Sequence[Array], fixed: int, axis: int) -> list[Array]:
