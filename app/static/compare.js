@@ -63,7 +63,7 @@
       card.replaceChildren(
         element("ul", { class: "ways", "aria-label": "Compared, from left to right" }, ...ways.map(way)),
         element("p", { "aria-live": "polite" },
-          sentence || note || "Planning and simulating ..."),
+          sentence || note),
         ...(rows.length ? [figures(ways, rows)] : []),
         element("button", { type: "button", class: "close", title: "Close the comparison",
           "aria-label": "Close the comparison", onclick: close }, "✕"));

@@ -19,6 +19,8 @@ from llsrbm.request.design import Design
 By = Literal["models", "arms", "replanning", "drives"]
 """What differs."""
 
+_BEGINS = "planning and simulating"
+
 
 @dataclass(frozen=True, eq=False)
 class Contender:
@@ -103,7 +105,7 @@ def card(comparing: Comparing | None) -> dict[str, Any] | None:
             }
             for each in comparing.contenders
         ],
-        "note": comparing.note,
+        "note": "" if following is None else f"{following.name}: {comparing.note or _BEGINS} ...",
         "sentence": sentence(ways, of_models=comparing.by == "models") if done else "",
         "rows": [{"title": title, "values": values} for title, values in rows(ways)]
         if done

@@ -137,7 +137,7 @@ def test_while_it_is_tried_its_progress_is_told(tab):
     tab.take(Act.COMPARE_MODELS)
     tab.report(Progress(0, "simulating, 31 %"))
     shown = card(tab.state.comparing)
-    assert shown["note"] == "simulating, 31 %"
+    assert shown["note"] == "SRBM: simulating, 31 % ..."
     assert shown["sentence"] == ""
     assert [way["state"] for way in shown["ways"]] == ["busy", "waits", "waits"]
 
