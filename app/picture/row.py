@@ -30,7 +30,8 @@ from llsrbm.motion.surroundings import Block
 _FREE = 0.25  # m between what two neighbours sweep
 _ABOVE = 0.12  # m from the highest that one of them gets to their names
 _EVERY = 4  # frames between those whose room is measured
-_LETTERS = 1.3  # size of the names, in viser's
+_LETTERS = 0.17  # height of names, in heights of a standing robot's CoM
+_WIDEST = 1.6  # of a name, in its letters' height and its share of the room to the next
 
 # Seen from ahead, the right and above; turning over, from the right.
 _AHEAD, _ASIDE = (1.0, -0.35, 0.42), (0.15, -1.0, 0.22)
@@ -67,12 +68,15 @@ class Row(Drawing):
             [outermost(room) + by for room, by in zip(rooms, shifts, strict=True)]
         )
         top = float(self._points[:, 2].max()) + _ABOVE
+        gaps = np.linalg.norm(np.diff(shifts, axis=0), axis=1)
+        room = float(gaps.min(initial=np.ptp(self._points[:, :2], axis=0).max()))
         above = np.array([0.0, 0.0, 2 * _ABOVE])
         self._points = np.vstack([self._points, self._points + above])  # and the names
         channels: list[AnimationChannel] = []
         for place, (standing, by) in enumerate(zip(row, shifts, strict=True)):
             x, y = (standing.frames.com[0] + by)[:2]
-            self._label(place, standing.title, (float(x), float(y), top))
+            letters = min(_LETTERS * standing.robot.com[2], _WIDEST * room / len(standing.title))
+            self._label(place, standing.title, (float(x), float(y), top), float(letters))
             if InertiaEllipsoids.name in picture.layers:
                 channels.append(self._ellipsoid(standing, by))
             if any(by):
@@ -107,9 +111,11 @@ class Row(Drawing):
         track = drawn.track(frames.com, frames.inertia_wxyz, frames.inertia_axes)
         return AnimationChannel(frames.time, (_shifted(track, by),))
 
-    def _label(self, place: int, title: str, at: tuple[float, float, float]) -> None:
+    def _label(
+        self, place: int, title: str, at: tuple[float, float, float], letters: float
+    ) -> None:
         label = self._made(self._labels, place, self._add_label)
-        label.text, label.position = title, at
+        label.text, label.position, label.font_scene_height = title, at, letters
 
     def _blocks(self, standing: Sequence[tuple[Standing, Array]]) -> list[AnimationChannel]:
         channels = []
@@ -132,7 +138,7 @@ class Row(Drawing):
 
     def _add_label(self, number: int) -> viser.LabelHandle:
         return self.scene.add_label(
-            f"/row-name/{number}", "", anchor="bottom-center", font_screen_scale=_LETTERS
+            f"/row-name/{number}", "", anchor="bottom-center", font_size_mode="scene"
         )
 
     def _add_shadow(self, number: int) -> viser.GlbHandle:
