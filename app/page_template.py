@@ -24,6 +24,7 @@ SCRIPTS = (
     "transport.js",
     "camera.js",
     "remark.js",
+    "legend.js",
     "pins.js",
     "compare.js",
     "parts.js",
@@ -36,8 +37,10 @@ SCRIPTS = (
     "certificate.js",
     "tint.js",
     "plot_figure.js",
+    "sheet.js",
     "plots.js",
     "accessibility.js",
+    "tips.js",
     "file_drop.js",
 )
 """In the order in which they need each other."""

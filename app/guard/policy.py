@@ -41,6 +41,17 @@ _HOW_TO_ENTER = (
     "or see --token of llsrbm serve"
 )
 
+_ENTER_PAGE = """<!doctype html><html lang="en"><meta name="viewport" content="width=device-width">
+<title>Jump designer: token needed</title>
+<style>:root{color-scheme:light dark} body{font:16px/1.5 system-ui,sans-serif;max-width:34em;
+margin:12vh auto;padding:0 1.2em} code{font-size:15px}</style>
+<h1>This jump designer asks for its token</h1>
+<p>It is in the address that <code>llsrbm serve</code> printed when it was started, and ends in
+<code>?token=</code> and some letters. Ask whoever runs it for that address.</p>
+<p>Open that address once in this browser, which then keeps the token. Then open your link again: the
+design is in the link itself.</p></html>
+"""
+
 # A cookie of our kind is not sent with a request that another site's link has made, so that a
 # browser which has one would stand outside. This page asks again, of its own accord; without the
 # question mark its address could be the one it has, and nothing would be asked.
@@ -263,14 +274,14 @@ class Guard:
         """
         if len(tokens) == 1 and self.access.accepts_token(tokens[0]):
             return None
-        refusal = _refused(HTTPStatus.UNAUTHORIZED, "wrong token", _HOW_TO_ENTER)
+        refusal = _stay_outside(request, "wrong token")
         heard = self._wrong.take(network(request.peer))
         return refusal if heard else replace(refusal, delay=self.limits.wrong_token_s)
 
     def _outside(self, request: Request) -> Decision:
         if not request.upgrade and _from_another_sites_link(request):
             return Decision(HTTPStatus.UNAUTHORIZED, body=_ASK_AGAIN, html=True)
-        return _refused(HTTPStatus.UNAUTHORIZED, "no token", _HOW_TO_ENTER)
+        return _stay_outside(request, "no token")
 
     def _too_many(self, request: Request, tabs: int, of_peer: int) -> Decision | None:
         """Refuse beyond the limits; only requests that were welcome use up the rates."""
@@ -321,6 +332,14 @@ def _proxy(text: str) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
             f"--proxy: expected an address or a network, for example 127.0.0.1 or 10.0.0.0/8, got "
             f"{text!r:.80}"
         ) from error
+
+
+def _stay_outside(request: Request, reason: str) -> Decision:
+    """The refusal of who has no token: for a browser a page in words, else a line."""
+    refusal = _refused(HTTPStatus.UNAUTHORIZED, reason, _HOW_TO_ENTER)
+    if request.values("sec-fetch-dest") != ("document",):
+        return refusal
+    return replace(refusal, body=_ENTER_PAGE, html=True)
 
 
 def _refused(

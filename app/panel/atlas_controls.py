@@ -126,6 +126,11 @@ class AtlasControls:
         self._fields = Fields(gui, self._menus, None, acted, Act.ATLAS)
         self._fields.add(*_menus(sweeps))
 
+    @property
+    def hints(self) -> dict[str, str]:
+        """As `Fields.hints`."""
+        return self._fields.hints
+
     def read(self, choice: AtlasChoice) -> AtlasChoice:
         """The map with what was moved; what is no option stays as it is chosen."""
         menus, _ = self._fields.read(self._menus._replace(choice=choice), None)

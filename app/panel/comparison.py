@@ -116,7 +116,7 @@ def comparison_table(columns: Sequence[Column]) -> str:
     return (
         f'<div style="{SMALL}">{names}'
         '<table style="border-spacing:0;width:100%;margin-top:0.4em;line-height:1.3;'
-        'font-size:0.95em;color:inherit">'
+        'font-size:12px;color:inherit">'
         f"<thead><tr><td></td>{head}</tr></thead>"
         f"<tbody><tr>{_name('Status')}{status}</tr>{recovered}{rows}</tbody></table></div>"
     )

@@ -15,6 +15,7 @@ import viser
 
 from app.guard.validation import number, option, put
 from app.panel.acts import Act, Put, callback
+from app.viser_private import uuid_of
 from llsrbm.errors import InputError
 
 V = TypeVar("V")
@@ -96,6 +97,12 @@ class Fields(Generic[V]):
             self._stands[field] = handle.value
             handle.on_update(self._moved)
 
+    @property
+    def hints(self) -> dict[str, str]:
+        """What each control means, by its uuid: static/tips.js shows it on label and control."""
+        handles = self._handles.items()
+        return {uuid_of(handle): field.hint for field, handle in handles if field.hint}
+
     def handle(self, field: Field[V]) -> Any:
         """The control of a row."""
         return self._handles[field]
@@ -154,7 +161,7 @@ class Fields(Generic[V]):
 
     def _made(self, field: Field[V]) -> Any:
         gui, there = self._gui, field.there(self._value)
-        plain: dict[str, Any] = {"hint": field.hint, "disabled": field.disabled(self._value)}
+        plain: dict[str, Any] = {"disabled": field.disabled(self._value)}
         plain["visible"] = there or field.stays
         if field.options is not None:
             options = field.options_for(self._value, self._about)

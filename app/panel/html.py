@@ -9,7 +9,7 @@ from app.motion import colours
 from app.motion.colours import Rgb
 
 PADDING = "padding:0.35em 0.9em"
-SMALL = f"{PADDING};font-size:0.8em;line-height:1.5"
+SMALL = f"{PADDING};font-size:13px;line-height:1.45"
 DIM = "color:var(--mantine-color-dimmed)"
 _NAME = (
     "text-align:left;font-weight:normal;padding-right:0.8em;vertical-align:top;white-space:nowrap"
@@ -38,13 +38,13 @@ def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
         for name, value in rows
     )
     head = f"<b>{escape(title)}</b>" if title else ""
-    compact = "border-spacing:0;font-size:0.96em;letter-spacing:-0.3px"
+    compact = "border-spacing:0;font-size:12px"
     return f'<div style="{SMALL}">{head}<table style="{compact}">{body}</table></div>'
 
 
 def heading(text: str) -> str:
     """A line above a group of boxes."""
-    return f'<div class="llsrbm-wide" style="{DIM};font-size:0.75em">{escape(text)}</div>'
+    return f'<div class="llsrbm-wide" style="{DIM};font-size:12px">{escape(text)}</div>'
 
 
 def swatch(colour: Rgb) -> str:

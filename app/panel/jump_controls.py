@@ -139,6 +139,11 @@ class JumpControls:
         return tuple(map(self._fields.handle, self._menus))
 
     @property
+    def hints(self) -> dict[str, str]:
+        """As `Fields.hints`."""
+        return {**self._fields.hints, **self.whole_body.hints}
+
+    @property
     def model(self) -> Any:
         """Menu of the model."""
         return self._fields.handle(self._model)

@@ -126,6 +126,20 @@ class Panel:
             "cancel": uuid_of(self.buttons[Act.CANCEL]),
         }
 
+    @property
+    def hints(self) -> dict[str, str]:
+        """What each control means, by its uuid."""
+        view, files, scenario = self.view, self.files, self.scenario
+        return {
+            **self.jump.hints,
+            **scenario.fields.hints,
+            **scenario.automatic.hints,
+            **view.fields.hints,
+            **files.fields.hints,
+            **self.plots.fields.hints,
+            **self.atlas.hints,
+        }
+
     def show_robot(self, robot: Robot) -> None:
         """The numbers of its drives, and how they are known."""
         self._drives.content = summaries.drive_figures(robot)

@@ -44,6 +44,23 @@ _OF_A_MOTION = (Verdict.DRAFT, Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED
 """Verdicts on a motion that can be checked; pressed, they open its certificate."""
 
 
+_MEANINGS = {
+    "checks": "Checks that hold, of the whole body at 1 kHz: stops, drives, friction, slip, room "
+    "and dynamics. The verdict's word shows them.",
+    "Izz in flight": "The least moment of inertia about the vertical in flight, against standing: "
+    "feet that are drawn in make it smaller, and the body turns faster.",
+    "Flight time": "Time without any foot on the ground",
+    "Planned torque": "Largest share of the torque that a drive has at its speed, in the plan",
+    "Peak torque": "Largest share of a drive's torque limit, in the simulation",
+    "Model's turn error": "The turn of the whole body in flight beyond the plan, for what the "
+    "model leaves out",
+    "Turn": "The turn of the body about the axis of the flip or roll",
+    "Yaw error": "The simulated base's yaw at its first contact against the plan's",
+    "Tilt": "The base's tilt at the end against the landing surface",
+    "Foot error": "Largest horizontal distance of a foot from its planned place at the end",
+}
+
+
 @dataclass(frozen=True)
 class Checks:
     """How many checks of a certificate hold."""
@@ -55,7 +72,8 @@ class Checks:
     def html(self) -> str:
         """A badge."""
         kind = "held" if self.held == self.of else "broken"
-        return f' <span class="llsrbm-checks {kind}">{self.held}/{self.of} checks</span>'
+        words = f"{self.held}/{self.of} checks"
+        return f' <span class="llsrbm-checks {kind}"{_tip("checks")}>{words}</span>'
 
 
 @dataclass(frozen=True)
@@ -78,7 +96,7 @@ class Status:
         """All of it, as high as it has to be (static/panel.js)."""
         kind = " outdated" if self.outdated else ""
         figures = "".join(
-            f"<div><dt>{escape(title)}</dt> <dd>{escape(value)}</dd></div> "
+            f"<div{_tip(title)}><dt>{escape(title)}</dt> <dd>{escape(value)}</dd></div> "
             for title, value in self.figures
         )
         points = "".join(f"<li>{escape(point)}</li> " for point in self.points)
@@ -118,6 +136,11 @@ class SeedResult:
     fell_at_s: float | None  # when it fell; None if it landed
     foot_error: float  # largest horizontal distance of a foot from the plan's at the end, m
     line: str  # the same in words
+
+
+def _tip(title: str) -> str:
+    """The attribute by which the page says what a figure means (static/tips.js)."""
+    return f' data-tip="{escape(_MEANINGS[title])}"' if title in _MEANINGS else ""
 
 
 def _bar(share: float | None, *, busy: bool) -> str:

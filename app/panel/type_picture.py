@@ -33,7 +33,7 @@ def _beside(drawing: str, words: str) -> str:
     return (
         f'<div class="llsrbm-type" style="display:flex;align-items:center;gap:8px;'
         f'height:{HEIGHT}px;overflow:hidden">{drawing}'
-        f'<div title="{words}" style="{DIM};flex:1;font-size:0.75rem;line-height:1.25;'
+        f'<div title="{words}" style="{DIM};flex:1;font-size:12px;line-height:1.25;'
         'overflow:hidden;display:-webkit-box;-webkit-box-orient:vertical;-webkit-line-clamp:4">'
         f"{words[:1].upper()}{words[1:]}</div></div>"
     )

@@ -10,8 +10,10 @@ from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import forward_kinematics
 from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 
+_LARGE = 1.5  # m, of a block that need not be in sight as a whole
 _DIRECTIONS = 64  # in which the outermost points are looked for
 
 
@@ -50,6 +52,16 @@ def around_default(robot: Robot) -> Array:
     """The same of a robot in its default posture, (1, C, 8, 3) m."""
     position, wxyz = default_pose(robot)
     return around(robot, position[None], wxyz[None])
+
+
+def corners(block: Block) -> Array:
+    """Corners (8, 3) m of a block, as far as it is near: what is large is ground."""
+    size = np.where(block.size < _LARGE, block.size, 0.0)
+    c, s = np.cos(block.yaw), np.sin(block.yaw)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    found: Array = block.centre + 0.5 * (signs * size) @ turn.T
+    return found
 
 
 def outermost(points: Array) -> Array:

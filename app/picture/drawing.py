@@ -14,6 +14,9 @@ from app.motion.colours import Rgb
 from app.picture.picture import Picture
 from llsrbm.look.shown_motion import ShownMotion
 
+Meaning = tuple[Rgb, str]
+"""A colour, and what is drawn in it."""
+
 
 class Drawing(ABC):
     """Draws some parts of a picture; its nodes are made when they are drawn first.
@@ -72,6 +75,11 @@ class Overlay(Drawing):
     def swatch(cls, picture: Picture) -> Sequence[Rgb]:
         """The colours in which it is drawn; none: it shows nothing of this picture."""
         return cls.tints
+
+    @classmethod
+    def legend(cls, picture: Picture) -> Sequence[Meaning]:
+        """Its colours and what they mean in this picture, for the picture's legend."""
+        return [(colour, cls.title.lower()) for colour in cls.swatch(picture)[:1]]
 
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         _, _, frames = picture.motion

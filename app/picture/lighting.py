@@ -42,11 +42,11 @@ DAY = Look(
     key=(255, 247, 236),
     key_light=3.2,
     fill_light=1.5,
-    floor=(240, 241, 243),
-    joints=(219, 222, 227),
-    tiles=(160, 169, 180),
-    lines=(164, 172, 183),
-    backdrop=(221, 228, 234),
+    floor=(188, 198, 208),
+    joints=(172, 183, 195),
+    tiles=(128, 143, 160),
+    lines=(118, 135, 153),
+    backdrop=(179, 193, 206),
     shadow=0.34,
 )
 NIGHT = Look(
@@ -56,11 +56,11 @@ NIGHT = Look(
     key=(255, 240, 220),
     key_light=3.0,
     fill_light=1.8,
-    floor=(38, 45, 55),
-    joints=(52, 60, 72),
-    tiles=(92, 103, 118),
-    lines=(84, 95, 110),
-    backdrop=(29, 37, 48),
+    floor=(58, 70, 86),
+    joints=(72, 85, 102),
+    tiles=(112, 126, 145),
+    lines=(108, 122, 141),
+    backdrop=(51, 65, 82),
     shadow=0.6,
 )
 

@@ -17,7 +17,7 @@ from app.motion.clip import AnimationChannel, CameraTarget, Track
 from app.motion.colours import Rgb, linear
 from app.picture import gltf
 from app.picture.blocks import tops_under
-from app.picture.bounds import around, around_default, default_pose, outermost
+from app.picture.bounds import around, around_default, corners, default_pose, outermost
 from app.picture.drawing import Drawing
 from app.picture.parts import Part, parts_of
 from app.picture.picture import Picture
@@ -195,6 +195,7 @@ class RobotShelf:
             self._made.pop(key).remove()
 
 
+_ASIDE, _AHEAD = (0.12, -1.0, 0.16), (1.0, -0.12, 0.16)  # directions that a camera looks from
 _EVERY = 4  # frames between those that a camera has in sight
 _ABOVE_GROUND = 0.002  # m; a shadow would flicker in the ground's own plane
 _LONG, _WIDE = 0.75, 0.62  # length and width of the shadow, in the robot's
@@ -204,7 +205,7 @@ _SPREADS = 0.5  # a shadow is larger by that share of its height above the groun
 class SolidRobot(Drawing):
     """Simulated, or planned, or in its default posture."""
 
-    parts = frozenset({"robot", "planned", "simulated", "fine", "prepared"})
+    parts = frozenset({"robot", "planned", "simulated", "blocks", "fine", "prepared"})
     needs_motion = False
 
     def __init__(self, scene: viser.SceneApi) -> None:
@@ -230,11 +231,21 @@ class SolidRobot(Drawing):
             self.camera_target = CameraTarget(nodes.base, outermost(around_default(robot)))
             return [nodes.still()]
         swept = around(robot, frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY])
-        self.camera_target = CameraTarget(nodes.base, outermost(swept))
+        points = np.concatenate([swept.reshape(-1, 3), *map(corners, picture.blocks)])
+        direction = _seen_from(picture)
+        self.camera_target = CameraTarget(nodes.base, outermost(points), direction=direction)
         return [AnimationChannel(frames.time, tuple(nodes.track(frames)))]
 
     def show(self, *, visible: bool) -> None:
         """The robot is always seen."""
+
+
+def _seen_from(picture: Picture) -> tuple[float, float, float] | None:
+    """The direction from which a whole turn is seen best; None: all jumps else are seen askew."""
+    jump = None if picture.planned is None else picture.planned.plan.jump
+    if jump is None or not jump.turns:
+        return None
+    return _ASIDE if jump.pitch else _AHEAD
 
 
 class ContactShadow(Drawing):

@@ -105,7 +105,7 @@ class Row(Drawing):
         colour, frames = standing.colour, standing.inertia
         if colour not in self._ellipsoids:
             name = f"/row-inertia/{len(self._ellipsoids)}"
-            self._ellipsoids[colour] = Ellipsoid(self.scene, name, colour, surface=False)
+            self._ellipsoids[colour] = Ellipsoid(self.scene, name, colour)
         drawn = self._ellipsoids[colour]
         self._visible.append(drawn.frame)
         track = drawn.track(frames.com, frames.inertia_wxyz, frames.inertia_axes)

@@ -22,7 +22,7 @@ _LINE_SCALE, _MARK_SCALE = "y", "marks"
 _WIDTH = 1.5  # pixels
 # What a line is, for static/plots.js: the values of what is aside are in the box alone.
 _KINDS = {Role.MOTION: "curve", Role.SECOND: "curve aside", Role.LIMIT: "curve aside"}
-_STYLE = "padding:0.2em 0.9em;font-size:0.8em;line-height:1.5"
+_STYLE = "padding:0.2em 0.9em;font-size:12px;line-height:1.5"
 
 Scales = dict[str, uplot.Scale]
 

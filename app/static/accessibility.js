@@ -43,14 +43,6 @@
     }
   }
 
-  // A button with an icon in place of its name shows the name as other controls show their hints.
-  function titleIcons() {
-    for (const button of document.querySelectorAll(".mantine-Button-root:has(svg)")) {
-      const text = button.textContent.trim();
-      if (button.title !== text) button.title = text;
-    }
-  }
-
   // viser's folders can be clicked; these can be reached and pressed with the keys, too.
   function openFolders() {
     for (const title of document.querySelectorAll(FOLDED)) {
@@ -96,7 +88,6 @@
     nameSliders();
     nameFields();
     nameIcons();
-    titleIcons();
     openFolders();
   }
 

@@ -12,9 +12,9 @@
   const PAIR = ":has(> div > .llsrbm-atlas) > :is(:nth-child(4), :nth-child(5))";
 
   const STYLE = `
-    ${PLACE} { padding: 0 10px; font-size: 0.76rem; line-height: 1.4; }
+    ${PLACE} { padding: 0 10px; font-size: 13px; line-height: 1.4; }
     ${PLACE} svg { display: block; width: 100%; border-radius: 4px; cursor: pointer;
-      font: 11px system-ui, sans-serif; }
+      font: 12px system-ui, sans-serif; }
     ${PLACE} svg:focus-visible { outline: 2px solid var(--mantine-primary-color-filled);
       outline-offset: 1px; }
     ${PLACE} text { fill: currentColor; }

@@ -2,7 +2,7 @@
 // backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `CameraTarget`).
 (() => {
   const { player, layout, element, addToPage, lacking, listenToKeys } = window.llsrbm;
-  const AROUND = [0.62, -0.95, 0.34]; // from the right, ahead and above
+  const AROUND = [0.78, -0.82, 0.5]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
 
@@ -17,14 +17,19 @@
   // The last rule: without a graphics processor Chromium cuts off a canvas at its top by as much as
   // something opaque covers at its bottom.
   const STYLE = `
-    canvas[data-engine] { background: linear-gradient(#a9bccf 0%, #d3dde6 40%, #dde4ea 60%); }
+    canvas[data-engine] { background: linear-gradient(#6f8aa6 0%, #9fb2c4 40%, #b3c1ce 60%); }
     [data-mantine-color-scheme=dark] canvas[data-engine] {
-      background: linear-gradient(#0b0f15 0%, #141b25 38%, #1d2530 60%); }
+      background: linear-gradient(#18212d 0%, #263343 38%, #334152 60%); }
     #llsrbm-camera { left: 10px; top: 10px; display: none; gap: 2px; padding: 3px;
-      border-radius: 6px; color: var(--mantine-color-text); background: var(--mantine-color-body);
-      border: 1px solid var(--mantine-color-default-border); }
+      border-radius: 6px; color: var(--mantine-color-text);
+      border: 1px solid transparent; }
+    /* The first is there; a pointer or the keys bring the others. */
+    #llsrbm-camera button { background: var(--mantine-color-body); }
+    @media (hover: hover) {
+      #llsrbm-camera:not(:hover, :focus-within) button:not(:first-child, [aria-pressed=true]) {
+        opacity: 0; } }
     #llsrbm-camera button { display: grid; place-items: center; width: 28px; height: 28px;
-      padding: 0; color: inherit; background: none; border: 0; border-radius: 4px;
+      padding: 0; color: inherit; border: 0; border-radius: 4px;
       cursor: pointer; }
     #llsrbm-camera button:hover { background: var(--mantine-color-default-hover); }
     #llsrbm-camera button:focus-visible { outline: 2px solid var(--mantine-primary-color-filled); }
@@ -229,10 +234,10 @@
   // ---- buttons and keys
 
   const ACTS = [
+    ["all", "Frame all", "0", () => look("all")],
     ["front", "Front view", "1", () => look("front")],
     ["side", "Side view", "2", () => look("side")],
     ["top", "Top view", "3", () => look("top")],
-    ["all", "Frame all", "0", () => look("all")],
     ["follow", "Follow the base", "F", () => setFollows(!follows)],
     ["picture", "Save picture", "P", () => download()],
   ];

@@ -11,7 +11,7 @@
   const FIELD = ".mantine-Flex-root > div:first-child"; // the place of a label
   const TABS = "[data-dock-area^=gui-tabs]"; // the tabs of the details
   // A row with a slider: its label and number, and below them the slider.
-  const SLIDER = ".mantine-Flex-root:has(> div > div > .mantine-Flex-root > .mantine-Slider-root)";
+  const SLIDER = ".mantine-Flex-root:has(> div .mantine-Slider-root)";
 
   const VERDICT = "8.2rem"; // least height of the verdict: what is usual has room, what is more grows
 
@@ -22,10 +22,11 @@
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
 
     /* viser has letters of less than 12 pixels, drawn together. */
-    [data-dock-root] * { letter-spacing: normal !important; }
+    body * { letter-spacing: normal !important; }
     ${MAIN} { font-size: 14px; }
-    ${MAIN} :is(input, label, p, .mantine-Slider-markLabel) { font-size: 0.8125rem !important; }
-    ${MAIN} .mantine-Slider-markLabel { font-size: 0.75rem !important; line-height: 1;
+    #root :is(p, code, .mantine-Paper-root) { font-size: max(12px, 1em) !important; }
+    ${MAIN} :is(input, label, p, .mantine-Slider-markLabel) { font-size: 13px !important; }
+    ${MAIN} .mantine-Slider-markLabel { font-size: 12px !important; line-height: 1;
       color: var(--mantine-color-dimmed); white-space: nowrap; }
 
     ${MAIN} { display: grid; grid-template-columns: repeat(20, minmax(0, 1fr)); column-gap: 6px;
@@ -37,16 +38,17 @@
     ${MAIN} label { white-space: nowrap; }
 
     ${SLIDER} { display: grid; grid-template-columns: minmax(0, 1fr) auto; row-gap: 1px; }
-    ${SLIDER} > div:last-child, ${SLIDER} > div:last-child > div,
-    ${SLIDER} > div:last-child > div > div { display: contents; }
+    ${SLIDER} > div:last-child, ${SLIDER} > div:last-child div:has(> .mantine-Flex-root),
+    ${SLIDER} .mantine-Flex-root { display: contents; }
     ${SLIDER} .mantine-Slider-root { --slider-size: 6px; grid-row: 2; grid-column: 1 / -1;
       padding: 5px 2px 21px !important; margin: 0 !important; position: relative; }
     ${SLIDER} .mantine-Slider-thumb { width: 14px !important; height: 20px !important;
       border-radius: 4px; }
     ${SLIDER} .mantine-Slider-mark { display: none; }
     ${SLIDER} .mantine-Slider-label { display: none; } /* the number stands above */
-    ${SLIDER} .mantine-Slider-markLabel { transform: translate(-6px, 10px) !important; }
-    ${SLIDER} .mantine-Slider-markWrapper:last-child .mantine-Slider-markLabel {
+    ${SLIDER} .mantine-Slider-root .mantine-Slider-markWrapper .mantine-Slider-markLabel {
+      transform: translate(-6px, 10px) !important; }
+    ${SLIDER} .mantine-Slider-root .mantine-Slider-markWrapper:last-child .mantine-Slider-markLabel {
       transform: translate(calc(6px - 100%), 10px) !important; }
     ${SLIDER} .mantine-NumberInput-root { width: 4.4rem !important; margin: 0 !important; }
     ${SLIDER} .mantine-NumberInput-input { text-align: right; }
@@ -63,7 +65,7 @@
     /* A folder: a line with its title, which is a button (accessibility.js), and what it holds. */
     ${FOLDER} { border-width: 1px 0 0; border-radius: 0; margin: 0 0 4px !important; }
     ${FOLDER} > .mantine-Paper-root { position: static; transform: none; padding: 3px 0;
-      display: flex; align-items: center; justify-content: space-between; font-size: 0.875rem; }
+      display: flex; align-items: center; justify-content: space-between; font-size: 14px; }
     ${FOLDER} > :last-child { display: none; }
     ${SCENARIO} { padding: 0 !important; display: grid; grid-template-columns: 1fr 1fr; column-gap: 10px;
       align-items: center; }
@@ -82,7 +84,7 @@
     /* Every button is quiet but the one that is there to be pressed. */
     .mantine-Button-root[data-block], .mantine-Button-root[data-variant=outline] {
       background: var(--mantine-color-default); color: var(--mantine-color-text);
-      border: 1px solid var(--mantine-color-default-border); font-size: 0.8125rem; }
+      border: 1px solid var(--mantine-color-default-border); font-size: 13px; }
     .mantine-Button-root[data-block]:not([data-disabled]):hover {
       background: var(--mantine-color-default-hover); color: var(--mantine-color-text); }
     .mantine-Button-root[data-block][data-disabled] { background: transparent;
@@ -91,7 +93,7 @@
 
     ${TABS} [role=tablist] { display: flex; flex-wrap: nowrap !important; }
     ${TABS} [role=tab] { flex: 1 1 auto !important; min-width: 0; justify-content: center;
-      padding-inline: 3px !important; font-size: 0.8125rem !important; opacity: 1 !important;
+      padding-inline: 3px !important; font-size: 13px !important; opacity: 1 !important;
       color: var(--mantine-color-dimmed) !important; }
     ${TABS} [role=tab][aria-selected=true] { color: var(--mantine-color-text) !important; }
 
@@ -103,21 +105,22 @@
     ${PAIRS} { display: grid; grid-template-columns: 1fr 1fr; column-gap: 6px; }
     ${PAIRS} > * { grid-column: 1 / -1; min-width: 0; }
     ${PAIRS} > :has(> .mantine-Button-root) { grid-column: auto; }
+    ${PAIRS} .mantine-Button-root { padding-inline: 2px; }
 
     /* The verdict grows with what it says; what is usual leaves what stands below where it is. */
     .llsrbm-status > [role=status] { min-height: ${VERDICT}; margin: 0.3rem 0; box-sizing: border-box;
-      padding: 0.1rem 0 0.1rem 0.7rem; font-size: 0.8125rem; line-height: 1.4;
+      padding: 0.1rem 0 0.1rem 0.7rem; font-size: 13px; line-height: 1.4;
       border-left: 4px solid var(--verdict); overflow-wrap: anywhere; }
-    .llsrbm-status b { font-size: 1.3rem; line-height: 1.3; margin-right: 0.3em; }
-    .llsrbm-checks { display: inline-block; padding: 0 0.5em; border-radius: 0.7em; font-size: 0.75rem;
+    .llsrbm-status b { font-size: 21px; line-height: 1.3; margin-right: 0.3em; }
+    .llsrbm-checks { display: inline-block; padding: 0 0.5em; border-radius: 0.7em; font-size: 12px;
       line-height: 1.4rem; vertical-align: 0.2em; border: 1px solid; white-space: nowrap;
       color: color-mix(in srgb, var(--checks) 60%, var(--mantine-color-text)); }
     .llsrbm-checks.held { --checks: #2f9e62; }
     .llsrbm-checks.broken { --checks: #d6336c; }
     .llsrbm-status dl { display: grid; grid-template-columns: 1fr 1fr; gap: 0.15rem 0.6rem;
       margin: 0.25rem 0 0; }
-    .llsrbm-status dt { font-size: 0.75rem; color: var(--mantine-color-dimmed); }
-    .llsrbm-status dd { font-size: 1rem; font-weight: 600; margin: 0; line-height: 1.25;
+    .llsrbm-status dt { font-size: 12px; color: var(--mantine-color-dimmed); }
+    .llsrbm-status dd { font-size: 16px; font-weight: 600; margin: 0; line-height: 1.25;
       font-variant-numeric: tabular-nums; }
     .llsrbm-status ul { margin: 0.1rem 0 0; padding-left: 1.1em; }
     .llsrbm-status.outdated > [role=status] { color: var(--mantine-color-dimmed); }
@@ -126,7 +129,7 @@
     .llsrbm-status .old dd::before { content: "was "; font-size: 0; font-weight: normal;
       animation: llsrbm-was 0s 0.5s forwards; }
     @keyframes llsrbm-old { to { color: var(--mantine-color-dimmed); font-weight: normal; } }
-    @keyframes llsrbm-was { to { font-size: 0.75rem; } }
+    @keyframes llsrbm-was { to { font-size: 12px; } }
     .llsrbm-progress { height: 3px; border-radius: 2px; overflow: hidden; margin: 0 0 4px; }
     .llsrbm-progress.unknown { background: linear-gradient(90deg, transparent,
       var(--mantine-primary-color-filled), transparent) 0 0 / 40% 100% no-repeat;
@@ -141,7 +144,7 @@
     .llsrbm-seeds > .fell { border-color: #d6336c; background: #d6336c22; }
     .llsrbm-seeds > .worst { outline: 2px solid currentColor; font-weight: bold; }
 
-    .llsrbm-tuning { padding: 0 2px; font-size: 0.8125rem; }
+    .llsrbm-tuning { padding: 0 2px; font-size: 13px; }
     .llsrbm-tuning table { border-spacing: 0; width: 100%; margin-bottom: 0.6em; }
     .llsrbm-tuning caption { text-align: left; font-weight: bold; padding: 0.2em 0; }
     .llsrbm-tuning th { text-align: left; font-weight: normal; white-space: nowrap; padding: 1px 0; }
@@ -181,7 +184,7 @@
       ${icons.map(row).join()} { grid-column: span 2; }
       :is(${icons.map(button).join()}) { padding: 0 !important; }
       :is(${icons.map(button).join()})[data-disabled] { opacity: 0; }
-      :is(${icons.map(button).join()}) .mantine-Button-section { margin: 0; font-size: 1.1rem; }
+      :is(${icons.map(button).join()}) .mantine-Button-section { margin: 0; font-size: 18px; }
       :is(${icons.map(button).join()}) svg { left: 0; }
       :is(${icons.map(button).join()}) .mantine-Button-label, ${field(format)} { position: absolute;
         width: 1px !important; height: 1px; padding: 0; clip-path: inset(50%); overflow: hidden; }

@@ -30,7 +30,7 @@
       color: inherit; background: none; border: 0; border-radius: 4px; }
     #llsrbm-part button:hover { background: var(--mantine-color-default-hover); }
     #llsrbm-part:not(.kept) button { display: none; }
-    #llsrbm-part footer { color: var(--mantine-color-dimmed); font-size: 11px; }
+    #llsrbm-part footer { color: var(--mantine-color-dimmed); font-size: 12px; }
     #llsrbm-part.kept footer { display: none; }
     #llsrbm-part-dot { position: fixed; z-index: 5; display: none; width: 12px; height: 12px;
       margin: -6px 0 0 -6px; border-radius: 50%; pointer-events: none; box-sizing: border-box;

@@ -34,24 +34,24 @@
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }
     [${GRID}] .uplot-container { margin: 0 6px 6px; }
-    .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 11.5px; position: relative;
+    .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 12px; position: relative;
       white-space: nowrap; overflow: hidden; line-height: 1.5; }
     .uplot .u-title[draggable=true] { cursor: grab; }
     .${ONTO} { outline: 2px dashed var(--mantine-primary-color-filled); outline-offset: -2px; }
     .llsrbm-values { position: absolute; right: 0; top: 3px; padding: 0 8px 0 0.3em; font-weight: 400;
       font-variant-numeric: tabular-nums; background: var(--mantine-color-body); }
     .llsrbm-values span:not(:first-child) { margin-left: 0.7em; }
-    .uplot-container:is(:hover, :focus-within) .llsrbm-values { right: 104px; }
+    .uplot-container:is(:hover, :focus-within) .llsrbm-values { right: 118px; }
     .llsrbm-copy { position: absolute; right: 30px; top: 2px; opacity: 0; } /* viser: expands */
     .uplot-container:is(:hover, :focus-within) .llsrbm-copy { opacity: 1; }
-    .llsrbm-copy button { font-size: 10px; line-height: 15px; padding: 0 5px; margin-left: 3px;
+    .llsrbm-copy button { font-size: 12px; line-height: 15px; padding: 0 5px; margin-left: 3px;
       cursor: pointer; color: inherit; background: var(--mantine-color-default);
       border: 1px solid var(--mantine-color-default-border); border-radius: 3px; }
     .llsrbm-cursor { position: absolute; left: 0; top: 0; bottom: 0; width: 0; pointer-events: none;
       border-left: 1.5px solid var(--mantine-color-text); opacity: 0.75; z-index: 90;
       will-change: transform; }
     .llsrbm-hover { position: fixed; left: 0; top: 0; z-index: 300; pointer-events: none; display: none;
-      padding: 4px 8px; border-radius: 4px; font: 11.5px/1.45 system-ui, sans-serif;
+      padding: 4px 8px; border-radius: 4px; font: 12px/1.45 system-ui, sans-serif;
       font-variant-numeric: tabular-nums; color: var(--mantine-color-text);
       background: var(--mantine-color-body); border: 1px solid var(--mantine-color-default-border);
       box-shadow: 0 2px 8px rgba(0, 0, 0, 0.2); }
@@ -107,7 +107,8 @@
   function placeArea() {
     const wrap = holder();
     if (!wrap) return;
-    const below = pinned?.isConnected ? `${pinned.offsetHeight}px` : "0px";
+    const area = pinned?.isConnected ? pinned.offsetHeight : 0;
+    const below = `${area || window.llsrbm.sheet.height}px`;
     if (wrap.style.bottom !== below) wrap.style.bottom = below;
     pinned?.style.setProperty("--llsrbm-left", `${wrap.offsetLeft}px`);
     pinned?.style.setProperty("--llsrbm-width", `${wrap.offsetWidth}px`);

@@ -6,7 +6,7 @@
     /* In the middle of the picture, beside the buttons of the camera. */
     #llsrbm-remark { top: 12px; left: 50%; transform: translateX(-50%);
       max-width: max(120px, 100% - 480px);
-      padding: 4px 12px; border-radius: 14px; font: 600 0.85rem/1.4 system-ui, sans-serif;
+      padding: 4px 12px; border-radius: 14px; font: 600 14px/1.4 system-ui, sans-serif;
       color: #3a2600; background: #ffd98a; border: 1px solid #d08a1d; pointer-events: none !important;
       white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
     #llsrbm-remark:empty { display: none; }`;

@@ -3,8 +3,9 @@
 // zoom, drag the two handles (or with Shift) for the range; a double-click shows all again.
 (() => {
   const { player, element } = window.llsrbm;
-  const LANES = 2, LANE = 13, BESIDE = 6; // lines of labels above the strips; pixels
+  const LANES = 2, LANE = 15, BESIDE = 6; // lines of labels above the strips; pixels
   const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5]; // s between the scale's numbers
+  const LETTER = 7; // pixels of one, about
   const TICK = 54; // pixels at least from one to the next
   const NARROWEST = 0.05; // s in sight, or of a range
   const FRAME = 1 / 60, FAR = 6; // s that an arrow key moves a handle; as often with Shift
@@ -14,43 +15,43 @@
     #llsrbm-transport .timeline { display: grid; grid-template-columns: max-content 1fr;
       column-gap: 8px; margin-top: 2px; }
     #llsrbm-transport .names, #llsrbm-transport .track { padding-top: ${LANES * LANE + 1}px; }
-    #llsrbm-transport .names { font-size: 11px; line-height: 14px; }
+    #llsrbm-transport .names { font-size: 12px; line-height: 16px; }
     #llsrbm-transport .names > div { margin-bottom: 2px; display: flex; align-items: center;
-      justify-content: flex-end; gap: 5px; min-height: 14px; }
+      justify-content: flex-end; gap: 5px; min-height: 16px; }
     #llsrbm-transport .names i { width: 8px; height: 8px; border-radius: 2px; }
     #llsrbm-transport .track { position: relative; cursor: ew-resize; touch-action: none; }
-    #llsrbm-transport .row { position: relative; height: 14px; margin-bottom: 2px;
+    #llsrbm-transport .row { position: relative; height: 16px; margin-bottom: 2px;
       border-radius: 3px; overflow: hidden; background: var(--mantine-color-default); }
     #llsrbm-transport .row > div { position: absolute; top: 0; bottom: 0; box-sizing: border-box;
-      padding: 0 2px; font-size: 10px; line-height: 14px; color: #14181c; white-space: pre;
+      padding: 0 3px; font-size: 12px; line-height: 16px; color: #14181c; white-space: pre;
       display: flex; overflow: hidden; background: var(--colour); }
     [data-mantine-color-scheme=dark] #llsrbm-transport .row > .phase { color: #f1f3f5;
-      background: color-mix(in srgb, var(--colour) 45%, #14181c); }
+      background: color-mix(in srgb, var(--colour) 35%, #14181c); }
     #llsrbm-transport .phase > span { overflow: hidden; text-overflow: ellipsis; min-width: 0; }
     #llsrbm-transport .phase > .feet { flex-shrink: 1000; } /* where it is narrow, the name stays */
-    #llsrbm-transport .row > .low { top: 10px; }
+    #llsrbm-transport .row > .low { top: 12px; }
     #llsrbm-transport :is(.bars, .tall) { height: 22px; }
     #llsrbm-transport .row.bars > .bar { top: auto; padding: 0; width: 4px; margin-left: -2px;
       background: #d6336c; }
     #llsrbm-transport .row.bars > .bar.in-time { background: #2f9e62; }
     #llsrbm-transport .row.bars > .deadline { left: 0; right: 0; top: 50%; padding: 0; bottom: auto;
       border-top: 1px dashed currentColor; color: var(--mantine-color-text); opacity: 0.6; }
-    #llsrbm-transport .mark { position: absolute; bottom: 13px; width: 2px; margin-left: -1px;
+    #llsrbm-transport .mark { position: absolute; bottom: 16px; width: 2px; margin-left: -1px;
       background: color-mix(in srgb, currentColor 75%, transparent); pointer-events: none; }
-    #llsrbm-transport .mark span { position: absolute; top: 0; left: ${BESIDE}px; font-size: 10px;
-      line-height: 12px; white-space: nowrap;
+    #llsrbm-transport .mark span { position: absolute; top: 0; left: ${BESIDE}px; font-size: 12px;
+      line-height: 14px; white-space: nowrap;
       color: color-mix(in srgb, currentColor 50%, var(--mantine-color-text)); }
     #llsrbm-transport .mark.left span { left: auto; right: ${BESIDE}px; }
-    #llsrbm-transport .scale { position: relative; height: 13px; font-size: 10px; line-height: 13px;
+    #llsrbm-transport .scale { position: relative; height: 16px; font-size: 12px; line-height: 16px;
       font-variant-numeric: tabular-nums; overflow: hidden; }
     #llsrbm-transport .scale span { position: absolute; transform: translateX(-50%); }
-    #llsrbm-transport .outside { position: absolute; top: ${LANES * LANE}px; bottom: 13px;
+    #llsrbm-transport .outside { position: absolute; top: ${LANES * LANE}px; bottom: 16px;
       pointer-events: none; background: var(--mantine-color-body); opacity: 0.65; }
-    #llsrbm-transport .handle { position: absolute; bottom: 0; width: 12px; height: 14px;
+    #llsrbm-transport .handle { position: absolute; bottom: 0; width: 12px; height: 16px;
       margin-left: -6px; cursor: col-resize; touch-action: none; }
     #llsrbm-transport .handle::before { content: ""; position: absolute; inset: 1px 1px 2px;
       background: var(--mantine-primary-color-filled); clip-path: polygon(50% 0, 100% 100%, 0 100%); }
-    #llsrbm-transport .cursor { position: absolute; top: ${LANES * LANE - 2}px; bottom: 10px; left: 0;
+    #llsrbm-transport .cursor { position: absolute; top: ${LANES * LANE - 2}px; bottom: 13px; left: 0;
       width: 100%; pointer-events: none; will-change: transform; }
     #llsrbm-transport .cursor::before { content: ""; position: absolute; left: -1.5px; top: 0;
       bottom: 0; width: 3px; background: var(--mantine-color-text); border-radius: 2px; }`;
@@ -121,8 +122,10 @@
       const width = clamp(share(until), 0, 1) - clamp(share(start), 0, 1);
       if (width <= 0) continue;
       const title = `${name}: ${phase}${feet ? ` (standing: ${feet})` : ""}`;
-      const label = low ? [] : [element("span", {}, phase)];
-      if (feet) label.push(element("span", { class: "feet" }, ` · ${feet}`));
+      const room = width * track.clientWidth, fits = (text) => LETTER * text.length + 6 < room;
+      const label = !low && fits(phase) ? [element("span", {}, phase)] : [];
+      if (feet && fits(`${phase} · ${feet}`))
+        label.push(element("span", { class: "feet" }, ` · ${feet}`));
       const piece = element("div", { title, class: low ? "low" : "phase" }, ...label);
       Object.assign(piece.style, { left: percent(start), width: `${100 * width}%` });
       piece.style.setProperty("--colour", colour);
@@ -255,6 +258,7 @@
     outside[0].style.cssText = `left: 0; width: ${percent(times[0])}`;
     outside[1].style.cssText = `right: 0; left: ${percent(times[1])}`;
     handles.forEach((made, side) => {
+      made.classList.toggle("rare", !player.range);
       made.style.left = percent(times[side]);
       made.style.display = visible(times[side]) ? "" : "none";
       made.setAttribute("aria-valuemax", end().toFixed(2));
@@ -264,7 +268,7 @@
   }
 
   function handle(label, side) {
-    const made = element("div", { class: "handle", role: "slider", tabindex: 0,
+    const made = element("div", { class: "handle rare", role: "slider", tabindex: 0,
       "aria-label": label, "aria-valuemin": 0, title: `${label}: drag; a double-click: all` });
     const move = (time) => {
       const times = range(), other = times[1 - side];

@@ -5,8 +5,13 @@
   const TINTED = "data-llsrbm-tinted", TINT = "--llsrbm-tint";
   const DASHES = "repeating-linear-gradient(90deg, var(--llsrbm-cannot) 0 2px, transparent 2px 6px)";
   window.llsrbm.addToPage(`
-    :root { --llsrbm-can: #3a86c8; --llsrbm-cannot: #8b9199; }
-    :root[data-mantine-color-scheme=dark] { --llsrbm-can: #5aa2e0; --llsrbm-cannot: #8b939e; }
+    :root { --llsrbm-can: #3a86c8; --llsrbm-cannot: #8b9199; --llsrbm-range: #1f65a3; }
+    :root[data-mantine-color-scheme=dark] { --llsrbm-can: #5aa2e0; --llsrbm-cannot: #8b939e;
+      --llsrbm-range: #7fb9ec; }
+    /* Between the slider's limits. */
+    [data-llsrbm-range]::after { content: attr(data-llsrbm-range); position: absolute; left: 3.2em;
+      right: 3.2em; top: 21px; text-align: center; white-space: nowrap; overflow: hidden;
+      font-size: 12px; line-height: 1; color: var(--llsrbm-range); }
     [${TINTED}] .mantine-Slider-bar { background: transparent; }
     [${TINTED}] .mantine-Slider-track::before { opacity: 1; background: var(${TINT}), ${DASHES}; }`);
 
@@ -23,13 +28,13 @@
 
   // The style of one element: a style sheet would have the browser look at the whole page.
   function draw() {
-    for (const [uuid, { chances, text }] of Object.entries(tracks)) {
+    for (const [uuid, { chances, text, range }] of Object.entries(tracks)) {
       const slider = document.getElementById(uuid);
       if (!slider || slider.llsrbmTrack === tracks[uuid]) continue;
       slider.llsrbmTrack = tracks[uuid];
+      slider.dataset.llsrbmRange = range;
       slider.toggleAttribute(TINTED, chances.length > 0);
       slider.style.setProperty(TINT, `linear-gradient(90deg, ${stops(chances)})`);
-      slider.title = text; // for a pointer, and for a screen reader
       slider.querySelector("[role=slider]")?.setAttribute("aria-description", text);
     }
   }
@@ -37,6 +42,7 @@
   window.llsrbm.layout.onChange(draw); // viser makes its elements anew now and then
 
   window.llsrbm.tint = {
+    words: (uuid) => tracks[uuid]?.text ?? "", // on what can be planned (tips.js)
     show(shown) {
       tracks = shown;
       draw();

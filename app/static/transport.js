@@ -13,6 +13,9 @@
       border-top: 1px solid var(--mantine-color-default-border); touch-action: none; }
     #llsrbm-transport .line { display: flex; flex-wrap: wrap; gap: 2px 8px; align-items: center; }
     #llsrbm-transport :is(button, select) { min-height: 26px; min-width: 32px; cursor: pointer; }
+    /* Steps are of a motion that stands; a pointer or the keys bring all there is. */
+    @media (hover: hover) {
+      #llsrbm-transport.plays:not(:hover, :focus-within) .rare { opacity: 0; } }
     #llsrbm-transport button[aria-pressed=true] { background: var(--mantine-primary-color-light); }
     #llsrbm-transport .time { font-variant-numeric: tabular-nums; min-width: 8.5em; }
     #llsrbm-transport .events { opacity: 0.75; flex: 1; min-width: 12em; white-space: nowrap;
@@ -26,6 +29,7 @@
   const forth = button("One frame on", "right arrow", "|▸", () => player.step(1));
   const repeat = button("Loop", "", "⟲", () => choose({ loop: !player.loop }));
   const zoom = button("Zoom", "", "⤢", () => timeline.toggleZoom());
+  for (const rare of [back, forth, zoom]) rare.classList.add("rare");
   zoom.title = "Zoom to the range that is looped, or to what is near the cursor; or turn the wheel";
   const rate = element("select", { "aria-label": "Speed", title: "Seconds of motion a second" },
     ...SPEEDS.map((speed) => element("option", { value: speed }, `${speed}×`)));
@@ -58,6 +62,7 @@
     timeline.refresh();
     const label = player.playing ? "Pause" : "Play";
     if (play.getAttribute("aria-label") !== label) {
+      bar.classList.toggle("plays", player.playing);
       play.setAttribute("aria-label", label);
       play.title = `${label} (space)`;
       write(play, player.playing ? "❚❚" : "▶");

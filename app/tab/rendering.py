@@ -14,7 +14,9 @@ from app.motion.colours import Rgb
 from app.panel.comparison import Column
 from app.panel.panel import Panel
 from app.panel.view_controls import configure_theme
+from app.picture.drawing import Meaning
 from app.picture.landing_handle import LandingHandle
+from app.picture.overlays import OVERLAYS
 from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.picture.overlays.landing_marks import LandingMarks
 from app.picture.picture import Picture, Standing
@@ -66,6 +68,7 @@ class Rendering:
             open_file=open_file,
         )
         link.call("panel.arrange", self.panel.arrangement)
+        link.call("tips.set", self.panel.hints)
         self.atlas = AtlasDrawing(self.panel.atlas, link, atlases)  # its map
         self._tint = Tint(link, self.panel.jump.tinted)
         self._plots = Plots(client, self.panel.plots.watched)
@@ -160,6 +163,9 @@ class Rendering:
             # A motion that is pinned may go on when the one that is shown stands.
             self._link.load(clip, events and replace(events, end=max(events.end, clip.end)))
         remark = "" if state.comparing else state.remark
+        legend = legend_of(picture)
+        if self._changed("legend", legend):
+            self._link.call("legend.show", [(css(colour), words) for colour, words in legend])
         if self._changed("remark", remark):
             self._link.call("remark.show", remark)
         robot = state.robot if state.ready else None
@@ -279,6 +285,14 @@ def _column(contender: Contender) -> Column:
     shown = contender.solid
     figures = figures_of_plan(shown.plan, shown.rollout)
     return Column(contender.name, contender.colour, figures, _recovered(shown.rollout))
+
+
+def legend_of(picture: Picture) -> list[Meaning]:
+    """The colours of the common overlays that are drawn, and what they mean."""
+    if picture.planned is None or picture.row:
+        return []
+    drawn = (OVERLAYS[name] for name in OVERLAYS if name in picture.layers)
+    return [each for overlay in drawn if overlay.common for each in overlay.legend(picture)]
 
 
 def _recovered(rollout: Rollout | None) -> bool | None:

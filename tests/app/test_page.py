@@ -105,9 +105,9 @@ def test_ellipsoids_come_and_go(page):
     at_rest(page)
     without = picture(page)
     tick(page, "Inertia ellipsoids")
-    wait_until(lambda: changed(without, picture(page)) > 5000, "the ellipsoid")
+    wait_until(lambda: changed(without, picture(page)) > 2000, "its rings")
     tick(page, "Inertia ellipsoids", ticked=False)
-    wait_until(lambda: changed(without, picture(page)) < 500, "no ellipsoid")
+    wait_until(lambda: changed(without, picture(page)) < 500, "no rings")
 
 
 def changed(one, other):

@@ -18,7 +18,7 @@ from app.motion import colours
 from app.motion.clip import AnimationChannel
 from app.motion.colours import Rgb
 from app.picture.bounds import apart
-from app.picture.drawing import Group, Overlay
+from app.picture.drawing import Group, Meaning, Overlay
 from app.picture.picture import Picture
 from app.picture.robot_nodes import RobotNodes, RobotShelf
 from llsrbm.look.shown_motion import ShownMotion
@@ -45,6 +45,10 @@ class Ghosts(Overlay):
     def swatch(cls, picture: Picture) -> Sequence[Rgb]:
         plan = [] if picture.simulated is None else [colours.PLANNED]
         return [*plan, *(ghost.colour for ghost in picture.ghosts)]
+
+    @classmethod
+    def legend(cls, picture: Picture) -> Sequence[Meaning]:
+        return [] if picture.simulated is None else [(colours.PLANNED, "plan, as a ghost")]
 
     def __init__(self, scene: viser.SceneApi) -> None:
         super().__init__(scene)

@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
-from app.picture.drawing import Group, Overlay
+from app.picture.drawing import Group, Meaning, Overlay
 from app.picture.picture import Picture
 from llsrbm.mechanics import Array
 
-_SUBDIVISIONS = 2  # of an icosahedron: 320 triangles
-_OUTSIDE = 1.004  # rings must lie just outside of a surface to be seen
 _SIDES = 48  # of a ring
-_THIN = 1.2  # pixels
+_THICK = 2.0  # pixels
 
 _PLANNED, _SRBM, _WHOLE, _HELD_ARMS = "planned", "srbm", "whole", "held_arms"  # names of nodes
 _COLOURS = {
@@ -30,11 +28,9 @@ _COLOURS = {
 
 
 class InertiaEllipsoids(Overlay):
-    """Ellipsoids of the plan, with a surface; beside a plan SRBM's, beside a simulation its body's.
+    """Ellipsoids of the plan; beside a plan SRBM's, beside a simulation its body's.
 
     For robots with arms the one to compare with is that of the same postures with the arms held.
-
-    Surfaces so close to each other would hide one another in turn, so only one has one.
     """
 
     name = "ellipsoids"
@@ -62,6 +58,15 @@ class InertiaEllipsoids(Overlay):
         third = (colours.REFERENCE,) if armed else ()
         return colours.PLANNED, colours.SIMULATED, *third
 
+    @classmethod
+    def legend(cls, picture: Picture) -> Sequence[Meaning]:
+        found = [(colours.PLANNED, "inertia as planned")]
+        if picture.rollout is None:
+            return [*found, (colours.REFERENCE, "inertia of SRBM")]
+        found.append((colours.SIMULATED, "inertia of the whole body"))
+        armed = picture.robot is not None and picture.robot.arms
+        return [*found, (colours.REFERENCE, "with the arms held")] if armed else found
+
     def draw(self, picture: Picture) -> Sequence[AnimationChannel]:
         self._there = ()
         if picture.row:  # each of them has one (`app.picture.row`)
@@ -70,7 +75,7 @@ class InertiaEllipsoids(Overlay):
         simulated = picture.simulated
         if self._drawn is None:
             self._drawn = {
-                name: Ellipsoid(self.scene, f"/ellipsoid/{name}", colour, surface=name == _PLANNED)
+                name: Ellipsoid(self.scene, f"/ellipsoid/{name}", colour)
                 for name, colour in _COLOURS.items()
             }
         frames = planned.frames
@@ -94,27 +99,14 @@ class InertiaEllipsoids(Overlay):
 
 
 class Ellipsoid:
-    """Rings about the principal axes, with or without a translucent surface."""
+    """Rings about the principal axes; a surface would lie over the robot and hide what is white."""
 
-    def __init__(self, scene: viser.SceneApi, name: str, colour: Rgb, *, surface: bool) -> None:
+    def __init__(self, scene: viser.SceneApi, name: str, colour: Rgb) -> None:
         self.frame = scene.add_frame(name, show_axes=False)
         wires = scene.add_line_segments(
-            f"{name}/wires", _rings(), colour, thickness=_THIN, thickness_units="screen"
+            f"{name}/wires", _rings(), colour, thickness=_THICK, thickness_units="screen"
         )
         self._nodes: tuple[str, ...] = (wires.name,)
-        if surface:
-            inside = scene.add_icosphere(
-                f"{name}/surface",
-                1.0,
-                colour,
-                subdivisions=_SUBDIVISIONS,
-                opacity=0.17,
-                # Far cheaper than the usual one, and as good on what is all but clear.
-                material="toon3",
-                cast_shadow=False,
-                receive_shadow=False,
-            )
-            self._nodes = (wires.name, inside.name)
 
     def track(self, position: Array, wxyz: Array, axes: Array) -> Track:
         """Its centre at `position` (F, 3) m, its semi-axes `axes` (F, 3) m along `wxyz` (F, 4)."""
@@ -127,6 +119,6 @@ class Ellipsoid:
 def _rings() -> NDArray[np.float32]:
     """The sides (3 n, 2, 3) of circles in the planes of the axes, of radius 1."""
     angle = np.linspace(0.0, 2 * np.pi, _SIDES + 1)
-    circle = _OUTSIDE * np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES + 1)], axis=1)
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(_SIDES + 1)], axis=1)
     sides = np.stack([circle[:-1], circle[1:]], axis=1)
     return np.concatenate([np.roll(sides, axis, axis=2) for axis in range(3)]).astype(np.float32)

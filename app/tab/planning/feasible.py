@@ -74,6 +74,7 @@ class Tint:
                 uuid: {
                     "chances": chances(found[name]) if name in found else [],
                     "text": in_words(name, jump, found[name]) if name in found else unknown(why),
+                    "range": "  ".join(_ranges(name, jump, found[name])) if name in found else "",
                 }
                 for name, uuid in self._sliders.items()
             },
@@ -95,15 +96,19 @@ def unknown(why: str) -> str:
 
 def in_words(name: str, jump: Jump, track: Track) -> str:
     """The sentence on a slider, in its units."""
-    field = TINTED[name]
     ends = track.values[0], track.values[-1]
     if track.intervals == (ends,):
         return "Can be planned over the whole slider, with the other values as they are"
-
-    def shown(end: Any) -> str:
-        return short(field.shown(replace(jump, **{name: end})))
-
-    parts = [f"{shown(low)} to {shown(high)}" for low, high in track.intervals]
+    parts = _ranges(name, jump, track)
     if not parts:
         return "Can be planned nowhere along this slider, with the other values as they are"
     return f"Can be planned from {' and from '.join(parts)}, with the other values as they are"
+
+
+def _ranges(name: str, jump: Jump, track: Track) -> list[str]:
+    """The stretches of a slider that can be planned, in its units."""
+
+    def shown(end: Any) -> str:
+        return short(TINTED[name].shown(replace(jump, **{name: end})))
+
+    return [f"{shown(low)} to {shown(high)}" for low, high in track.intervals]

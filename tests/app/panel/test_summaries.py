@@ -90,8 +90,8 @@ def test_checks_that_hold_are_counted(plan):
     held = Finding("friction", 0.2, 0.5, "", "RL", 0.3, True, 0.5)
     whole = refined_plan(plan)
     half = replace(whole, certificate=Certificate((broken, held)).as_dict())
-    assert 'held">1/1 checks<' in plan_status(whole).html
-    assert 'broken">1/2 checks<' in plan_status(half).html
+    assert ">1/1 checks<" in plan_status(whole).html
+    assert ">1/2 checks<" in plan_status(half).html
     assert "checks" not in plan_status(plan).html
 
 

@@ -80,7 +80,7 @@ def test_a_solid_of_the_robots_mass_has_the_planned_inertia(name):
     shown = picture(name, {"ellipsoids"})
     clip = Scene(client).draw(shown)
     _, track = track_of(clip, "/ellipsoid/planned/wires")
-    assert track.nodes == ("/ellipsoid/planned/wires", "/ellipsoid/planned/surface")
+    assert track.nodes == ("/ellipsoid/planned/wires",)
     motion = shown.planned.motion
     for frame in (0, 30, 60):
         expected = motion.inertia[frame]

@@ -16,7 +16,8 @@ pytestmark = pytest.mark.browser
 TRACK = """() => {
   const slider = document.querySelector(".mantine-Slider-root");
   const track = slider.querySelector(".mantine-Slider-track");
-  return [slider.title, slider.querySelector("[role=slider]").getAttribute("aria-description"),
+  const thumb = slider.querySelector("[role=slider]");
+  return [llsrbm.tint.words(slider.id), thumb.getAttribute("aria-description"),
     getComputedStyle(track, "::before").backgroundImage];
 }"""
 

@@ -1,0 +1,38 @@
+// A legend in the picture, above the player's bar: colours of what is drawn, and what they mean.
+(() => {
+  const { layout, element, addToPage } = window.llsrbm;
+
+  const STYLE = `
+    #llsrbm-legend { left: 10px; margin: 0; padding: 3px 9px; display: flex; flex-wrap: wrap;
+      gap: 1px 12px; max-width: calc(100% - 40px); list-style: none; border-radius: 6px;
+      font: 12px/1.5 system-ui, sans-serif; color: var(--mantine-color-text);
+      background: var(--mantine-color-body); pointer-events: none !important; }
+    #llsrbm-legend:empty { display: none; }
+    #llsrbm-legend li { display: flex; align-items: center; gap: 5px; white-space: nowrap; }
+    #llsrbm-legend i { width: 14px; height: 3px; border-radius: 2px; }
+    @media (max-width: 600px) { #llsrbm-legend { display: none; } }`;
+
+  const list = element("ul", { id: "llsrbm-legend", "aria-label": "Legend of the picture" });
+
+  // The bar's height changes with the motion and the page.
+  function place() {
+    const bar = document.getElementById("llsrbm-transport");
+    list.style.bottom = `${(bar?.offsetHeight ?? 0) + 8}px`;
+  }
+
+  layout.over.append(list);
+  layout.onMove(place);
+  layout.onChange(place);
+  addToPage(STYLE);
+
+  window.llsrbm.legend = {
+    show(meanings) {
+      list.replaceChildren(...meanings.map(([colour, words]) => {
+        const line = element("i");
+        line.style.background = colour;
+        return element("li", {}, line, words);
+      }));
+      place();
+    },
+  };
+})();
