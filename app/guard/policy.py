@@ -48,8 +48,8 @@ margin:12vh auto;padding:0 1.2em} code{font-size:15px}</style>
 <h1>This jump designer asks for its token</h1>
 <p>It is in the address that <code>llsrbm serve</code> printed when it was started, and ends in
 <code>?token=</code> and some letters. Ask whoever runs it for that address.</p>
-<p>Open that address once in this browser, which then keeps the token. Then open your link again: the
-design is in the link itself.</p></html>
+<p>Open that address once in this browser, which then keeps the token. Then open your link again:
+the design is in the link itself.</p></html>
 """
 
 # A cookie of our kind is not sent with a request that another site's link has made, so that a

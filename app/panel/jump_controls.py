@@ -28,7 +28,9 @@ from llsrbm.request import jump_types
 from llsrbm.request.jump import ARMS, MOST_HOPS, Jump
 from llsrbm.request.jump_types import JumpType
 from llsrbm.robots import Robot, RobotFile
+from llsrbm.robots.payload import HEAVIEST
 
+_UNKNOWN_HEAVIEST = 1.0  # kg, until the robot is there
 _FASTEST = 1.0  # m/s at the start and the end: a quick walk of a small robot
 _DEG = 180 / math.pi
 _MODEL_TITLES = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
@@ -95,11 +97,28 @@ See `app.tab.planning.feasible`.
 """
 
 
+PAYLOAD: Field[Jump] = Field(
+    "Payload [kg]",
+    "Mass on the trunk, in the origin of its frame; drafts are of the robot without it",
+    get=lambda jump: jump.payload[0] if jump.payload else 0.0,
+    put=lambda jump, kg: replace(jump, payload=_with_mass(jump.payload, kg)),
+    ends=lambda about: (0.0, about.heaviest),
+    step=0.1,
+    slider=True,
+)
+
+
+def _with_mass(payload: tuple[float, ...], kg: float) -> tuple[float, ...]:
+    """A payload of another mass at the place where it is; of no mass it is none."""
+    return (kg, *(payload[1:] or (0.0, 0.0, 0.0))) if kg > 0 else ()
+
+
 class About(NamedTuple):
     """A robot, on which the ranges and menus of a request depend."""
 
     file: RobotFile  # of its robot, for such a jump
     types: Mapping[str, JumpType]  # that the robot can do
+    heaviest: float  # kg that it can carry
 
 
 class JumpControls:
@@ -111,6 +130,7 @@ class JumpControls:
         self._robots = robots
         self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
         self._types_of: Robot | None = None
+        self._heaviest = _UNKNOWN_HEAVIEST
         self._drawn_of: tuple[Any, ...] = ()  # robot and request, as far as the picture shows them
         self._gui, self._acted = gui, acted
         *self._menus, self._model = _menus(robots)
@@ -122,6 +142,10 @@ class JumpControls:
     def add_model(self) -> None:
         """Add the model's menu to the container that is open."""
         self._fields.add(self._model)
+
+    def add_payload(self) -> None:
+        """Add what the robot carries, in the open container."""
+        self._fields.add(PAYLOAD)
 
     def add_whole_body(self) -> None:
         """Add whether drafts are replaced by the whole body's plans, in the open container."""
@@ -161,6 +185,7 @@ class JumpControls:
         """Put the controls where a request has them; the types and the picture, of its robot."""
         if robot is not None and robot is not self._types_of:
             self._types_of, self._types = robot, types_offered(robot)
+            self._heaviest = round(HEAVIEST * robot.mass - 0.05, 1)  # never beyond
         self._fields.show(jump, self._about(jump))
         drawn_of = (robot, jump.type, jump.hops, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
@@ -168,7 +193,8 @@ class JumpControls:
             self._picture.content = type_picture.type_picture(self._types[jump.type], robot, jump)
 
     def _about(self, jump: Jump) -> About:
-        return About(self._robots[jump.robot].for_jump(turns=jump.turns), self._types)
+        file = self._robots[jump.robot].for_jump(turns=jump.turns)
+        return About(file, self._types, self._heaviest)
 
 
 TURN: Field[Jump] = Field(

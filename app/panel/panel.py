@@ -102,6 +102,7 @@ class Panel:
         with tabs.add_tab("More"):
             self.jump.add_whole_body()
             with gui.add_folder("Limits", expand_by_default=False):
+                self.jump.add_payload()
                 self.tuning = TuningControls(gui, put)
             with gui.add_folder("Atlas", expand_by_default=False):
                 self.atlas = AtlasControls(gui, sweeps, put)

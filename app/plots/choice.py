@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+
+from llsrbm.request.jump import Jump
 
 ALL_JOINTS = "all joints"
 ALL = "all"
 EACH = "a chart each"
 
 OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
+FEW = "Yaw and force"  # Of a small page
 OWN = "Custom"  # Name of charts that are no preset
 
 MOST_SIGNALS = 4  # in one chart
@@ -47,6 +51,9 @@ class PlotChoice:
         """One of `PRESETS`, or `OWN`."""
         for name, preset in PRESETS.items():
             if (preset.charts, preset.landing) == (self.charts, self.landing):
+                return name
+        for (name, _), charts in _CHARTS.items():
+            if (charts, False) == (self.charts, self.landing):
                 return name
         # Loads of some joints are the same preset as those of all.
         if tuple(map(_of_all_joints, self.charts)) == PRESETS[TORQUES].charts and not self.landing:
@@ -120,7 +127,7 @@ PRESETS: Mapping[str, PlotChoice] = {
     OVERVIEW: _all(
         ("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), ("vertical_force", "")
     ),
-    "Yaw and force": _all(("base_angle", "yaw"), ("vertical_force", "")),
+    FEW: _all(("base_angle", "yaw"), ("vertical_force", "")),
     "Base angles": _each("base_angle"),
     "Base rates": _each("angular_velocity"),
     "CoM position": _each("com"),
@@ -150,5 +157,38 @@ def compared(axis: str) -> PlotChoice:
     return _OF_TURNS[axis]
 
 
+_FLAT = math.radians(3)  # rad of twist; less is no turn to look at
+_FORCE = ("vertical_force", "")
+# What a jump is about -> its overview, of which a small page shows the first chart and the forces.
+_ABOUT: Mapping[str, tuple[tuple[str, str], ...]] = {
+    "twist": (("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), _FORCE),
+    "pitch": (("turned", "y"), ("angular_velocity", "y"), ("com", "z"), _FORCE),
+    "roll": (("turned", "x"), ("angular_velocity", "x"), ("com", "z"), _FORCE),
+    "forward": (("com", "z"), ("com", "x"), ("base_angle", "pitch"), _FORCE),
+    "lateral": (("com", "z"), ("com", "y"), ("base_angle", "roll"), _FORCE),
+}
+_CHARTS = {
+    (name, about): _all(*(charts if name == OVERVIEW else (charts[0], _FORCE))).charts
+    for name in (OVERVIEW, FEW)
+    for about, charts in _ABOUT.items()
+}
+
+
+def of_jump(choice: PlotChoice, jump: Jump) -> PlotChoice:
+    """The overview of what this jump is about: of a flip the turn about its axis, of a jump
+    without a twist where it goes; any other choice as it is.
+    """
+    preset = choice.preset
+    if preset not in (OVERVIEW, FEW):
+        return choice
+    about = "twist"
+    if jump.turns:
+        about = "pitch" if jump.pitch else "roll"
+    elif abs(jump.twist) < _FLAT:
+        about = "lateral" if abs(jump.lateral) > abs(jump.forward) else "forward"
+    charts = _CHARTS[preset, about]
+    return choice if charts == choice.charts else replace(choice, charts=charts)
+
+
 DEFAULT = PRESETS[OVERVIEW]
-FEWER = PRESETS["Yaw and force"]
+FEWER = PRESETS[FEW]

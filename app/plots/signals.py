@@ -232,6 +232,16 @@ def _base_angles(series: TimeSeries) -> Samples:
     return Samples(series.time, components, np.degrees(np.column_stack([*angles.values()])))
 
 
+def _turned(series: TimeSeries) -> Samples:
+    """The angle turned about each of the world's axes so far, which knows no half turn."""
+    motion = series.motion
+    rate, step = motion.angular_velocity, np.diff(motion.time)[:, None]
+    angle = np.zeros_like(rate)
+    angle[1:] = np.cumsum(0.5 * (rate[1:] + rate[:-1]) * step, axis=0)
+    components = tuple(Component(axis, "°") for axis in "xyz")
+    return Samples(motion.time, components, np.degrees(angle))
+
+
 def _vertical_force(series: TimeSeries) -> Array | None:
     force = series.motion.foot_force
     return None if force is None else np.asarray(force[..., 2].sum(axis=1))
@@ -315,6 +325,7 @@ def _lower(title: str) -> str:
 
 _DERIVED = (
     Signal("base_angle", "Base angle", _base_angles, least=2.0),
+    Signal("turned", "Angle turned about", _turned, least=2.0),
     Signal("vertical_force", "Vertical force, all feet", _sampled(_vertical_force, _single("N"))),
     Signal(
         "principal_inertia",

@@ -6,7 +6,7 @@
     #llsrbm-legend { left: 10px; margin: 0; padding: 3px 9px; display: flex; flex-wrap: wrap;
       gap: 1px 12px; max-width: calc(100% - 40px); list-style: none; border-radius: 6px;
       font: 12px/1.5 system-ui, sans-serif; color: var(--mantine-color-text);
-      background: var(--mantine-color-body); pointer-events: none !important; }
+      background: color-mix(in srgb, var(--mantine-color-body) 99.5%, transparent); pointer-events: none !important; }
     #llsrbm-legend:empty { display: none; }
     #llsrbm-legend li { display: flex; align-items: center; gap: 5px; white-space: nowrap; }
     #llsrbm-legend i { width: 14px; height: 3px; border-radius: 2px; }

@@ -111,6 +111,26 @@
     shared = null;
   }
 
+  // viser shows a cloud with a tick while it is connected. Words say what its dots mean.
+  const LOST_AFTER = 1200; // ms
+  const lost = llsrbm.element("div", { id: "llsrbm-lost", role: "alert" });
+  let wasConnected = false, lostSince = 0;
+  llsrbm.addToPage(`
+    #llsrbm-lost { position: fixed; left: 50%; top: 10px; transform: translateX(-50%); z-index: 600;
+      max-width: 90vw; padding: 6px 14px; border-radius: 6px; font: 14px/1.4 system-ui, sans-serif;
+      color: #3a2600; background: #ffd98a; border: 1px solid #d08a1d; }
+    #llsrbm-lost:empty { display: none; }`, lost);
+  setInterval(() => {
+    const connected = Boolean(document.querySelector(".tabler-icon-cloud-check"));
+    wasConnected ||= connected;
+    if (connected) lostSince = 0;
+    else if (wasConnected) lostSince ||= performance.now();
+    const words = lostSince && performance.now() - lostSince > LOST_AFTER
+      ? "The server is not reached. The page tries again by itself and finds your design then; "
+        + "the motion plays on meanwhile." : "";
+    if (lost.textContent !== words) lost.textContent = words;
+  }, 500);
+
   llsrbm.page = {
     connect(uuid) {
       field = uuid;

@@ -222,11 +222,26 @@
       : "";
   }
 
+  // Ctrl+Z and Ctrl+Y or Ctrl+Shift+Z, unless something is typed that has an undo of its own.
+  let undoing = null, redoing = null; // uuids of the buttons
+  window.addEventListener("keydown", (event) => {
+    const { key, ctrlKey, metaKey, altKey, shiftKey, target } = event;
+    if (!window.llsrbm.shortcuts || !(ctrlKey || metaKey) || altKey) return;
+    if (target instanceof Element && target.closest("input:not([type=checkbox]), textarea")) return;
+    const letter = key.toLowerCase(), again = letter === "y" || (letter === "z" && shiftKey);
+    if (letter !== "z" && !again) return;
+    event.preventDefault();
+    document.getElementById(again ? redoing : undoing)?.click();
+  }, { capture: true });
+
   const arranged = window.llsrbm.element("style"), tinted = window.llsrbm.element("style");
   window.llsrbm.addToPage(STYLE, arranged, tinted);
 
   window.llsrbm.panel = {
-    arrange: (controls) => (arranged.textContent = arrangement(controls)),
+    arrange(controls) {
+      arranged.textContent = arrangement(controls);
+      [, undoing, redoing] = controls.icons;
+    },
     setShortcuts: (on) => (window.llsrbm.shortcuts = on),
     swatches(colours) {
       tinted.textContent = Object.entries(colours).map(([uuid, of]) =>

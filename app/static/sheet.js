@@ -17,8 +17,9 @@
     const status = document.querySelector(".llsrbm-status");
     const outside = status && !status.closest("[data-dock-root]");
     // The outermost box of viser's that has the panel and not the picture.
-    let found = outside ? status : null;
-    while (found?.parentElement && !found.parentElement.querySelector("canvas")) found = found.parentElement;
+    const picture = window.__viserMutable?.canvas; // charts have canvases, too
+    let found = outside && picture ? status : null;
+    while (found?.parentElement && !found.parentElement.contains(picture)) found = found.parentElement;
     if (status && found === sheet) return;
     sheet?.removeAttribute(SHEET);
     sheet = found;

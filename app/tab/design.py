@@ -16,13 +16,16 @@ from app.panel.view_controls import View
 from app.picture.landing_handle import LandingDragged
 from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
 from app.tab.effects import Notify, Share, ShowGallery, ShowTuning
+from app.tab.planning.known import answer_of, show_again, with_answer
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
+from llsrbm.planning.solve.guess_table import REQUEST
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
+_OTHER_SLIDERS = "The sliders hold {}'s own example now; Undo brings the robot before back."
 _SAME = 1e-6  # relative; defaults are shown with six digits
 
 
@@ -35,7 +38,9 @@ def choose_jump(state: TabState, jump: Jump) -> Step:
     design = state.design
     if jump.robot != design.jump.robot:
         # A request of the other robot is not for this one, but for the type of jump.
-        state, design = replace(state, note=""), Design(_on_another_robot(jump, state))
+        other = _on_another_robot(jump, state)
+        note = "" if _alike(other, jump) else _OTHER_SLIDERS.format(state.robots[jump.robot].title)
+        state, design = replace(state, note=note), Design(other)
     else:
         if jump.type != design.jump.type:
             jump = with_type(jump, jump.type)
@@ -44,9 +49,14 @@ def choose_jump(state: TabState, jump: Jump) -> Step:
     return plan_design(remember(state, design))
 
 
+def _alike(one: Jump, other: Jump) -> bool:
+    """Whether the sliders stand alike."""
+    return all(getattr(one, name) == getattr(other, name) for name in REQUEST)
+
+
 def _on_another_robot(jump: Jump, state: TabState) -> Jump:
     """The robot's example; of another type than the examples are, the same request of it."""
-    file = state.robots[jump.robot]
+    file, jump = state.robots[jump.robot], replace(jump, payload=())
     if not file.arms:
         jump = replace(jump, arms=Jump.arms)
     if jump.type == jump_types.DEFAULT:
@@ -152,9 +162,10 @@ def redo(state: TabState) -> Step:
 
 
 def _go(state: TabState, design: Design, history: History) -> Step:
-    state = state.without_sequel().with_work(instead="")
+    state = with_answer(state).without_sequel().with_work(instead="")
     state = replace(state, design=design, history=history, note=design.note, comparing=None)
-    return plan_or_keep(state)
+    known = answer_of(state)
+    return plan_or_keep(state) if known is None or not state.ready else show_again(state, known)
 
 
 # ---- what is drawn of it

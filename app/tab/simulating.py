@@ -132,7 +132,10 @@ def take_seeds(state: TabState, event: Reported) -> TabState:
             landed_all = all(each.landed for each in results)
             verdict = Verdict.LANDED if landed_all else Verdict.FELL
             return state.with_status(verdict, f"in {summaries.seeds_share(results)}.")
-    return ended(state, report, "The plan is still there.")
+    state = ended(state, report, "The plan is still there.")
+    if isinstance(report, reports.Cancelled) and state.rollout is not None:
+        state = replace(state, status=summaries.simulated_status(state.rollout))
+    return state
 
 
 @on(Act.WORST, visible=lambda state: state.seeds is not None and state.seeds.worst is not None)

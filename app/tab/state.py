@@ -20,7 +20,7 @@ from app.panel.file_controls import FileChoice
 from app.panel.status import SeedResult, Status, Verdict
 from app.panel.view_controls import View
 from app.picture.picture import Ghost
-from app.plots.choice import DEFAULT, PlotChoice
+from app.plots.choice import DEFAULT, PlotChoice, of_jump
 from app.tab.contenders import Comparing
 from app.tab.planning.dragging import DragPlanning
 from app.tab.shown import Given, Shown
@@ -32,7 +32,9 @@ from llsrbm.look.titles import Decisions
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
+from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot, RobotFile
 
 QUICK = 2.0
@@ -188,6 +190,8 @@ class TabState:
     automatically: bool | None = None
     simulated_in: float | None = None  # s that the last simulation took; None: there was none
     history: History = field(default_factory=History)  # of the design
+    # motions of designs before the present one, by what was asked for; the newest last
+    answers: tuple[tuple[tuple[Jump, Tuning], Shown], ...] = ()
     tickets: int = 0  # jobs so far; the next one gets the next number
     note: str = ""  # on what was opened or chosen, beside the examples
     page: bool = False  # the page's scripts have answered
@@ -200,9 +204,11 @@ class TabState:
 
     @property
     def plots_seen(self) -> PlotChoice:
-        """The charts of the motion in the picture."""
+        """The charts of the motion in the picture; an overview is that of its jump."""
         comparing = self.comparing
-        return self.plots if comparing is None or comparing.last is None else comparing.plots
+        if comparing is not None and comparing.last is not None:
+            return comparing.plots
+        return of_jump(self.plots, self.design.jump if self.plan is None else self.plan.jump)
 
     @property
     def plan(self) -> Plan | None:

@@ -9,6 +9,7 @@ from app.panel.jump_types import not_supported, types_offered, with_type
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, submit
 from app.tab.effects import Keep, Queue, Stop
+from app.tab.planning.known import show_again, with_answer
 from app.tab.simulating import simulate_again
 from app.tab.state import TabState
 from app.workers import tasks
@@ -108,8 +109,8 @@ def take_nearest(state: TabState) -> Step:
     if shown is None or shown.wanted is None:
         return state, ()
     state, design = untitled(state, shown.plan.jump, state.design.tuning)
-    state = replace(state, shown=replace(shown, wanted=None))
-    return plan_design(remember(state, design, settled=True))
+    state = remember(state, design, settled=True)
+    return show_again(state, replace(shown, wanted=None, reason=""))
 
 
 # ---- designs, and those before them
@@ -126,7 +127,7 @@ def remember(state: TabState, design: Design, *, settled: bool = False) -> TabSt
     if not changed or changed != history.changing:
         back = (*history.back, state.design)[-_UNDONE_AT_MOST:]
         history = replace(history, back=back)
-    state = state.without_sequel().with_work(instead="")
+    state = with_answer(state).without_sequel().with_work(instead="")
     history = replace(history, forth=(), changing=changed)
     return replace(state, design=design, history=history, comparing=None)
 

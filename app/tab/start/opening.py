@@ -75,7 +75,7 @@ def left(state: TabState) -> TabState:
     shown = state.shown
     if shown is not None and shown.so_far is not None:
         shown = replace(shown, so_far=None)
-    return replace(state, shown=shown, page=False)
+    return replace(state, shown=shown, page=False, answers=())
 
 
 def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:

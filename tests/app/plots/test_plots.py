@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from app.guard.policy import Guard
@@ -12,8 +14,9 @@ from app.motion import colours
 from app.motion.baked import bake_plan
 from app.page_template import page as designer_page
 from app.plots.charts import Layer, shown_layers
-from app.plots.choice import DEFAULT, PRESETS, TORQUES, ChartChoice
+from app.plots.choice import DEFAULT, FEWER, PRESETS, TORQUES, ChartChoice, of_jump
 from app.plots.plots import Plots
+from app.plots.signals import SIGNALS
 from app.viser_private import DesignerServer
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -132,3 +135,38 @@ def test_pinned_designs_lie_under_the_one_that_is_shown(page, layers):
     assert lines(shown) == ["limit", "pin", "plan"]
     page.draw((), PRESETS[TORQUES])
     page.tab.wait(lambda: charts(page.tab) == {}, "nothing")
+
+
+@pytest.mark.parametrize(
+    ("jump", "first"),
+    [
+        (Jump(twist=1.5), ("base_angle", ("yaw",))),
+        (Jump(robot="go2", type="flip", pitch=-math.tau), ("turned", ("y",))),
+        (Jump(robot="go2", type="barrel-roll", roll=math.tau), ("turned", ("x",))),
+        (Jump(forward=0.3), ("com", ("z",))),
+        (Jump(lateral=0.2), ("com", ("z",))),
+    ],
+)
+@pytest.mark.parametrize("choice", [DEFAULT, FEWER])
+def test_an_overview_is_of_what_the_jump_is_about_and_keeps_its_name(choice, jump, first):
+    found = of_jump(choice, jump)
+    assert (found.charts[0].signal, found.charts[0].components) == first
+    assert (found.preset, len(found.charts)) == (choice.preset, len(choice.charts))
+    assert of_jump(found, Jump(twist=1.5)) == choice  # back again
+
+
+def test_charts_of_ones_own_are_those_of_every_jump():
+    own = PRESETS["Principal inertias"]
+    assert of_jump(own, Jump(forward=0.3)) is own
+
+
+def test_a_flips_angle_goes_around_without_a_step():
+    flip = synthetic_plan(Jump(robot="go2", type="flip", pitch=-math.tau))
+    robot = load_robot("go2")
+    layers = shown_layers(bake_plan(flip, robot), None)
+    turned = SIGNALS["turned"].of(layers[0].series)
+    column = [component.name for component in turned.components].index("y")
+    angle = turned.values[:, column]
+    expected = np.degrees(np.trapezoid(layers[0].series.motion.angular_velocity[:, 1], turned.time))
+    assert angle[-1] == pytest.approx(expected)
+    assert np.abs(np.diff(angle)).max() < 90

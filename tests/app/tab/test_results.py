@@ -158,9 +158,11 @@ def test_the_nearest_moves_with_the_slider(tab):
 def test_the_nearest_is_taken(tab):
     assert tab.take(Act.NEAREST) == ()
     refuse(tab, {"forward": 0.05}, forward=0.1)
-    nearest = tab.state.plan.jump
+    nearest = tab.state.plan
     tab.take(Act.NEAREST)
-    assert tab.state.design.jump == nearest == tab.one.task.jump
+    assert tab.state.design.jump == nearest.jump
+    assert tab.state.plan is nearest  # what was shown, to the last bit
+    assert not tab.of(Submit)
     assert tab.state.shown.remark == ""
     assert tab.state.history.back[-1].jump.forward == 0.1
     tab.settle()
@@ -182,7 +184,6 @@ def test_the_nearest_is_simulated_pinned_and_undone(tab):
     tab.take(Act.PIN)
     assert tab.state.pins[0].design.jump.forward == 0.05
     tab.take(Act.UNDO)
-    tab.finish_plan()
     assert (tab.state.plan.jump.forward, tab.state.shown.remark) == (0.01, "")
 
 

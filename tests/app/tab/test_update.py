@@ -90,7 +90,7 @@ from tests.app.synthetic_plan import refined_plan
         (WholeBody(False), {"whole_body"}),
         (Act.WORST, set()),
         (Act.USE_PINNED, set()),
-        (Scenario(board=0.02), {"design", "history", "work"}),
+        (Scenario(board=0.02), {"design", "history", "work", "answers"}),
     ],
 )
 def test_an_event_changes_only_its_own(event, changed):
