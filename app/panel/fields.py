@@ -99,7 +99,7 @@ class Fields(Generic[V]):
 
     @property
     def hints(self) -> dict[str, str]:
-        """What each control means, by its uuid: static/tips.js shows it on label and control."""
+        """Meaning of each control, by its uuid: static/tips.js shows it on label and control."""
         handles = self._handles.items()
         return {uuid_of(handle): field.hint for field, handle in handles if field.hint}
 

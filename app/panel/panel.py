@@ -129,7 +129,7 @@ class Panel:
 
     @property
     def hints(self) -> dict[str, str]:
-        """What each control means, by its uuid."""
+        """Meaning of each control, by its uuid."""
         view, files, scenario = self.view, self.files, self.scenario
         return {
             **self.jump.hints,

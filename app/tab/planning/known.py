@@ -17,19 +17,19 @@ _MOST = 20  # motions, some megabytes together
 
 def with_answer(state: TabState) -> TabState:
     """The state that remembers the motion of its design, if that is there, to come back to."""
-    shown, asked = state.shown, (state.design.jump, state.design.tuning)
+    shown, request = state.shown, (state.design.jump, state.design.tuning)
     if shown is None or shown.source or shown.so_far or state.planning or not shown.plan.solved:
         return state
-    if (shown.request, shown.plan.tuning) != asked:
+    if (shown.request, shown.plan.tuning) != request:
         return state
-    others = [each for each in state.answers if each[0] != asked]
-    return replace(state, answers=(*others, (asked, shown))[-_MOST:])
+    others = [each for each in state.answers if each[0] != request]
+    return replace(state, answers=(*others, (request, shown))[-_MOST:])
 
 
 def answer_of(state: TabState) -> Shown | None:
     """The motion of the state's design that was there before; None: none is remembered."""
-    asked = state.design.jump, state.design.tuning
-    return next((shown for known, shown in state.answers if known == asked), None)
+    request = state.design.jump, state.design.tuning
+    return next((shown for known, shown in state.answers if known == request), None)
 
 
 def show_again(state: TabState, shown: Shown) -> Step:
