@@ -1,4 +1,4 @@
-// What a control or a figure means, in one note: at the pointer, or at the focus, on its label, its
+// The meaning of a control or a figure, in one note: at the pointer, or at the focus, on its label, its
 // control and its numbers alike. The server says the words of each control (`set`); other elements
 // have theirs in `data-tip`; sliders say what can be planned as well (tint.js).
 (() => {
