@@ -162,6 +162,8 @@ class DesignerServer(viser.ViserServer):
             if len(message.content) == min(left, UPLOAD_PART):
                 gui._handle_file_transfer_part(client_id, message)
                 self._count(client, len(message.content))
+                if message.transfer_uuid not in gui._current_file_upload_states:
+                    _forget_success(client, message.transfer_uuid)
 
         for kind, accept in (
             (messages.FileTransferStartUpload, start),
@@ -225,6 +227,13 @@ def take_upload(button: viser.GuiUploadButtonHandle) -> viser.UploadedFile | Non
     file = button.value
     button._impl.value = _NO_FILE
     return None if file is _NO_FILE or not isinstance(file, viser.UploadedFile) else file
+
+
+def _forget_success(client: viser.ClientHandle, transfer: str) -> None:
+    """Take back the page's word that a file was uploaded: what it holds is said elsewhere."""
+    gone = messages.RemoveNotificationMessage(f"upload-{transfer}")
+    loop = asyncio.get_running_loop()
+    loop.call_later(_SETTLING, client._websock_connection.queue_message, gone)
 
 
 async def _refuse_upload(client: viser.ClientHandle, message: Any, why: str) -> None:

@@ -56,6 +56,8 @@ _MEANINGS = {
     "model leaves out",
     "Turn": "The turn of the body about the axis of the flip or roll",
     "Yaw error": "The simulated base's yaw at its first contact against the plan's",
+    "not strict": "Strict: it stands at the end, every foot within 50 mm of its place, tilt below "
+    "2° then and below 15° before, and less than 30 ms of a second flight",
     "Tilt": "The base's tilt at the end against the landing surface",
     "Foot error": "Largest horizontal distance of a foot from its planned place at the end",
 }
@@ -122,7 +124,11 @@ class Status:
         word = self.verdict.value
         large = escape(f"{word}, {self.limit}" if self.limit else word)
         if self.verdict in _OF_A_MOTION and not self.busy:
-            return f'<button type="button" title="Show the certificate">{large}</button>'
+            tip = f"{_MEANINGS[self.limit]}. " if self.limit in _MEANINGS else ""
+            return (
+                f'<button type="button" data-tip="{escape(tip)}Press to see the checks">{large}'
+                "</button>"
+            )
         return large
 
 

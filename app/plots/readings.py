@@ -15,7 +15,7 @@ from llsrbm.robots import Robot
 
 _STEP = 1 / 60  # s between the values that are sent
 _DIGITS = 4  # behind the decimal point
-_UNITS = {"rad": ("°", 180 / np.pi), "rad/s": ("°/s", 180 / np.pi)}  # as the page has them
+_UNITS = {"rad": ("°", 180 / np.pi)}  # as the page has them
 
 
 def rows_of(part: str, robot: Robot) -> dict[str, ChartChoice]:

@@ -104,7 +104,7 @@ def _model_rows(plan: Plan) -> list[TitledValue]:
     if error is None:
         return []
     takeoff, flight = (degrees(turn, signed=True) for turn in (error.takeoff, error.flight))
-    words = f"{plan.jump.model}: {takeoff} until lift-off, {flight} in flight"
+    words = f"{takeoff} until lift-off, {flight} in flight"
     return [(FIGURE["model_turn_in_flight"].title, words)]
 
 

@@ -383,3 +383,17 @@ def test_never_more_than_burst_and_rate_allow(pauses):
         clock.now += pause
         taken += bucket.take()
         assert taken <= 4 + 3 * (clock.now - 100.0) + 1e-6
+
+
+def test_a_browser_without_a_token_is_told_in_words_and_a_program_in_a_line():
+    outside = guard(TOKEN, loopback=False)
+    typed = (("Sec-Fetch-Site", "none"), ("Sec-Fetch-Mode", "navigate"),
+             ("Sec-Fetch-Dest", "document"))  # fmt: skip
+    for target, reason in (("/", "no token"), ("/?token=wrong", "wrong token")):
+        told = outside.decide(request(*OWN, *typed, target=target), 0)
+        line = outside.decide(request(*OWN, target=target), 0)
+        assert (told.status, told.reason, told.html) == (401, reason, True)
+        assert "asks for its token" in told.body
+        assert (line.status, line.html) == (401, False)
+        assert line.body.startswith(f"refused: {reason}: ")
+        assert TOKEN not in told.body + line.body

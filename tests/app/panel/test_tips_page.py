@@ -1,0 +1,51 @@
+"""Notes on what controls and figures mean: one at a time, on labels and figures, too."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.app.chromium import fill, number, status
+from tests.app.waits import wait_until
+
+pytestmark = pytest.mark.browser
+
+
+def notes(page):
+    """The notes in sight, viser's among them."""
+    return page.locator("[role=tooltip]:visible").all_inner_texts()
+
+
+def test_a_label_says_what_it_means_in_one_note(page):
+    page.get_by_text("Forward [m]", exact=True).hover()
+    wait_until(lambda: notes(page), "the note")
+    (text,) = notes(page)
+    assert text.startswith("Landing place along the initial heading")
+    assert "planned" in text  # along this slider
+    page.mouse.move(10, 10)
+    wait_until(lambda: not notes(page), "no note")
+
+
+def test_a_figure_says_what_it_means(page):
+    page.get_by_text("Flight time", exact=True).hover()
+    wait_until(lambda: notes(page) == ["Time without any foot on the ground"], "the note")
+    page.mouse.move(10, 10)
+
+
+def test_a_thumb_has_one_note_and_keeps_its_name(page):
+    thumb = page.get_by_role("slider", name="Twist [deg]", exact=True)
+    thumb.hover()
+    wait_until(lambda: notes(page), "the note")
+    assert thumb.get_attribute("title") == ""
+    page.mouse.move(10, 10)
+    assert page.get_by_role("slider", name="Twist [deg]", exact=True).count() == 1
+
+
+def test_keys_undo_what_was_changed_and_redo_it(page):
+    fill(page, "Forward [m]", 0.2)
+    status(page, "Feasible")
+    plan = page.session.plan
+    page.evaluate("document.activeElement.blur()")
+    page.keyboard.press("Control+z")
+    wait_until(lambda: float(number(page, "Forward [m]").input_value()) == 0, "the one before")
+    page.keyboard.press("Control+y")
+    wait_until(lambda: page.session.plan is plan, "the same plan, without planning")
