@@ -82,9 +82,9 @@ def record(browser: Browser, address: str) -> None:
 
 def close_note(page: Page) -> None:
     """Viser's remark about software rendering."""
-    note = page.locator(".mantine-Notification-closeButton")
-    if note.count():
-        note.first.click()
+    page.evaluate(
+        "document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())"
+    )
 
 
 def press(page: Page, button: str) -> None:

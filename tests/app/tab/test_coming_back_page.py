@@ -9,7 +9,18 @@ import sys
 
 import pytest
 
-from tests.app.chromium import COMPARE, fill, number, opened, player, press, status, tab, visitor
+from tests.app.chromium import (
+    COMPARE,
+    fill,
+    number,
+    opened,
+    player,
+    press,
+    status,
+    tab,
+    tick,
+    visitor,
+)
 from tests.app.shared_page import find_session, fresh, shows_motion, visit
 from tests.app.waits import wait_until
 
@@ -212,10 +223,10 @@ def test_a_new_tab_of_the_browser_has_its_preferences(browser, designer):
     first, later = context.new_page(), context.new_page()
     first.goto(designer.url)
     first.locator(":root[data-mantine-color-scheme=dark]").wait_for(state="attached")
-    first.get_by_label("Foot workspace", exact=True).check()
+    tick(first, "Foot workspace")
     first.wait_for_function("localStorage.getItem('llsrbm.preferences')?.includes('reach')")
     later.goto(designer.url)
     box = later.get_by_label("Foot workspace", exact=True)
-    box.wait_for()
+    box.wait_for(state="attached")
     wait_until(box.is_checked, "the overlay")
     context.close()
