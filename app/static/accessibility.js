@@ -18,7 +18,8 @@
       const row = thumb.closest(LABELLED);
       const label = row?.querySelector("label")?.textContent.trim();
       if (!label) continue;
-      if (thumb.title !== label) thumb.title = label;
+      // Under the pointer it has a note of its own (tips.js).
+      if (thumb.title !== label && !thumb.matches(":hover")) thumb.title = label;
       for (const number of row.querySelectorAll(NUMBERS)) name(number, label);
     }
   }

@@ -41,15 +41,18 @@
     tip.style.display = "none";
   }
 
-  // A thumb has its name as a title, which a browser would show as a second note.
+  // A thumb has its name as a title, which a browser would show as a second note: meanwhile the name
+  // is a label.
   let untitled = null;
   function untitle(target) {
     if (untitled && untitled[0] !== target) {
       untitled[0].title = untitled[1];
+      untitled[0].setAttribute("aria-label", "");
       untitled = null;
     }
     if (!target.matches("[role=slider][title]:not([title=''])")) return;
     untitled = [target, target.title];
+    target.setAttribute("aria-label", target.title);
     target.title = "";
   }
 
