@@ -97,7 +97,9 @@
       color: var(--mantine-color-dimmed) !important; }
     ${TABS} [role=tab][aria-selected=true] { color: var(--mantine-color-text) !important; }
 
-    ${BOXES} { display: grid; grid-template-columns: 1fr 1fr; column-gap: 4px; padding: 0 8px; }
+    ${BOXES} { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); column-gap: 2px;
+      padding: 0; }
+    ${FOLDER} ${FOLDER} ${BOXES} { grid-template-columns: minmax(0, 1fr); }
     ${BOXES} > * { padding-bottom: 0.3em !important; min-width: 0; }
     ${BOXES} > :has(.llsrbm-boxes, .llsrbm-wide) { grid-column: 1 / -1; }
     ${BOXES} ${FIELD} { width: auto !important; padding-right: 0; flex-shrink: 1 !important; }
@@ -144,15 +146,15 @@
     .llsrbm-seeds > .fell { border-color: #d6336c; background: #d6336c22; }
     .llsrbm-seeds > .worst { outline: 2px solid currentColor; font-weight: bold; }
 
-    .llsrbm-tuning { padding: 0 2px; font-size: 13px; }
+    .llsrbm-tuning { padding: 0; font-size: 12px; }
     .llsrbm-tuning table { border-spacing: 0; width: 100%; margin-bottom: 0.6em; }
     .llsrbm-tuning caption { text-align: left; font-weight: bold; padding: 0.2em 0; }
     .llsrbm-tuning th { text-align: left; font-weight: normal; white-space: nowrap; padding: 1px 0; }
     .llsrbm-tuning thead th { color: var(--mantine-color-dimmed); }
-    .llsrbm-tuning td { white-space: nowrap; padding: 1px 0 1px 5px; }
-    .llsrbm-tuning tbody th { cursor: help; }
+    .llsrbm-tuning td { white-space: nowrap; padding: 1px 0 1px 4px; }
+    .llsrbm-tuning tbody th { cursor: help; white-space: normal; line-height: 1.15; }
     .llsrbm-tuning .number { text-align: right; font-variant-numeric: tabular-nums; }
-    .llsrbm-tuning input { width: 4.6em; font: inherit; text-align: right; padding: 1px 4px;
+    .llsrbm-tuning input { width: 4.1em; font: inherit; text-align: right; padding: 1px 2px;
       color: inherit; background: var(--mantine-color-default); border-radius: 3px;
       border: 1px solid var(--mantine-color-default-border); appearance: textfield; }
     .llsrbm-tuning input::-webkit-inner-spin-button { appearance: none; margin: 0; }

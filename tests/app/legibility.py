@@ -80,7 +80,20 @@ UNREADABLE = """([smallest, least, large, largeBold, leastLarge]) => {
       if (contrast < (isLarge ? leastLarge : least) - 0.01)
         say(element, `contrast ${contrast.toFixed(2)}`);
     }
-    if (own) texts.push([element, box]);
+    if (own) {
+      const letters = document.createRange();
+      letters.selectNodeContents(element);
+      const { right } = letters.getBoundingClientRect();
+      for (let at = element; at; at = at.parentElement) {
+        const { overflowX, textOverflow } = getComputedStyle(at);
+        if (textOverflow === "ellipsis") break;
+        if (/hidden|clip/.test(overflowX) && right > at.getBoundingClientRect().right + 2) {
+          say(element, `cut by ${Math.round(right - at.getBoundingClientRect().right)} px`);
+          break;
+        }
+      }
+      texts.push([element, box]);
+    }
   }
 
   // Two texts in the panel or over the picture that lie on each other.
