@@ -107,8 +107,7 @@
   function placeArea() {
     const wrap = holder();
     if (!wrap) return;
-    const area = pinned?.isConnected ? pinned.offsetHeight : 0;
-    const below = `${area || window.llsrbm.sheet.height}px`;
+    const below = `${(pinned?.isConnected && pinned.offsetHeight) || window.llsrbm.sheet.height}px`;
     if (wrap.style.bottom !== below) wrap.style.bottom = below;
     pinned?.style.setProperty("--llsrbm-left", `${wrap.offsetLeft}px`);
     pinned?.style.setProperty("--llsrbm-width", `${wrap.offsetWidth}px`);
