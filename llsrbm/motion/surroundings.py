@@ -190,14 +190,14 @@ def _standing(
     radius: float,
 ) -> Block:
     """The block under place `k`: from the start if feet, legs and trunk leave room for it."""
-    place = places[k]
+    place, corners = places[k], len(robot.corners)
     points = place.seen(place.points)
     lower = [place.seen(other.points) for other in places if other.height < place.height]
     narrow: Block | None = None
     for share in EDGES:
         footprint: _Rectangle | None = _around(points, MARGIN)
         for beside in lower:
-            apart = _avoiding(points, beside, radius, share)
+            apart = _avoiding(points, beside.reshape(-1, corners, 2), radius, share)
             footprint = None if footprint is None or apart is None else _common(footprint, apart)
         if footprint is not None:
             block = _block(place, name, footprint, ground, place.height)
@@ -305,32 +305,29 @@ def _around(points: Array, margin: float) -> _Rectangle:
     return _Rectangle(points.min(axis=0) - margin, points.max(axis=0) + margin)
 
 
-def _avoiding(points: Array, others: Array, radius: float, share: float) -> _Rectangle | None:
-    """A rectangle around `points` (C, 2), as wide as `MARGIN`, where no foot of `others` stands.
+def _avoiding(points: Array, feet: Array, radius: float, share: float) -> _Rectangle | None:
+    """A rectangle around `points` (C, 2), as wide as `MARGIN`, beside the `feet` (L, c, 2) of
+    another place.
 
-    None if even the feet on `points` themselves, of that radius, leave no room for the robot that
-    stands on the others.
+    Each foot keeps to its side of the edge that it is planned to cross: of the four that with the
+    widest gap. None if there is no room for the robot that stands on the other feet.
     """
     low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
-    apart = radius + ROOM
+    others, apart = feet.reshape(-1, 2), radius + ROOM
     if _meet(others, low - apart, high + apart):
         return None
-    wide = _around(points, MARGIN)
-    for axis, across in ((0, 1), (1, 0)):
-        beside = (others[:, across] > low[across] - apart) & (
-            others[:, across] < high[across] + apart
-        )
-        where = others[beside, axis]
-        before = where[where < low[axis]].max(initial=-np.inf) + radius
-        after = where[where > high[axis]].min(initial=np.inf) - radius
-        low[axis] = max(wide.low[axis], low[axis] - (1 - share) * (low[axis] - before))
-        high[axis] = min(wide.high[axis], high[axis] + (1 - share) * (after - high[axis]))
-    # Edges that grew towards the margin may have come under the robot at a corner, or been cut back
-    # into the feet on `points` by one that is beside the grown edge alone.
-    cut = (low > points.min(axis=0) - radius).any() or (high < points.max(axis=0) + radius).any()
-    if cut or _meet(others, low - radius, high + radius):
-        return None
-    return _Rectangle(low, high)
+    found = _around(points, MARGIN)
+    for foot in feet:
+        gaps = np.array([low - foot.max(axis=0), foot.min(axis=0) - high]) - radius
+        if gaps.max() < 0:
+            return None
+        beyond, axis = np.unravel_index(gaps.argmax(), gaps.shape)
+        room = (1 - share) * gaps[beyond, axis]
+        if beyond:
+            found.high[axis] = min(found.high[axis], high[axis] + room)
+        else:
+            found.low[axis] = max(found.low[axis], low[axis] - room)
+    return None if _meet(others, found.low - radius, found.high + radius) else found
 
 
 def _meet(points: Array, low: Array, high: Array) -> bool:
