@@ -135,7 +135,7 @@ def test_with_the_real_planner(browser, tmp_path):
     designer = Designer(port=0, token="none")
     try:
         page = opened(browser, designer.url)
-        text = status(page, "Feasible", timeout=90_000)
+        text = status(page, "Feasible", timeout=180_000)  # builds two solvers where none is kept
         session = designer.sessions[-1]
         assert re.match(
             r"Feasible 13/13 checks\s+Izz in flight\s+−\d+ %\s+Flight time\s+0\.\d+ s\s+"
