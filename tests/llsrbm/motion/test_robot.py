@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm.analysis.wording import draft_reason
+from llsrbm.analysis.drafts import draft_reason
 from llsrbm.motion.robot import robot_of
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.robots import load_robot
