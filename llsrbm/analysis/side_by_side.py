@@ -54,9 +54,10 @@ class Way:
 
 def axis_of(jump: Jump) -> Axis:
     """The axis about which a request turns, or else would be off first."""
-    for axis, turn in (("pitch", jump.pitch), ("roll", jump.roll), ("yaw", jump.twist)):
+    turns: dict[Axis, float] = {"pitch": jump.pitch, "roll": jump.roll, "yaw": jump.twist}
+    for axis, turn in turns.items():
         if turn:
-            return axis  # type: ignore[return-value]
+            return axis
     return "roll" if abs(jump.lateral) > abs(jump.forward) else "pitch"
 
 

@@ -9,7 +9,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
+from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.surroundings import check_board, surroundings
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.problem.task import Edges
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
@@ -246,3 +249,20 @@ class TestObstacles:
         start, landing = world.blocks
         assert world.ground == pytest.approx(-0.5)
         assert [top(start), top(landing)] == pytest.approx([0, height])
+
+
+@pytest.mark.parametrize(
+    ("degrees", "forward", "lateral"),
+    [(-160, 0.8, 0.7), (-100, 0.8, 0.7), (0, 0.9, 0.5), (35, 0.6, 0.8), (100, 0.6, 0.8)],
+)
+def test_a_box_ends_beyond_the_edge_that_each_foot_is_planned_to_cross(degrees, forward, lateral):
+    """On diagonal jumps too, where feet are beside the box along both of its axes."""
+    plan, found = around(twist=math.radians(degrees), forward=forward, lateral=lateral, height=0.2)
+    (box,) = found.blocks
+    assert box.from_s == 0
+    start, goal = place_task(plan.jump, ANYMAL).places
+    half = box.size[:2] / 2 * np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
+    corners = half @ turns_about_z(box.yaw)[:2, :2].T + box.centre[:2]
+    for foot, towards in zip(start.contacts, Edges.between(start, goal).towards, strict=True):
+        assert towards.any()
+        assert (corners @ towards).min() > foot[:2] @ towards
