@@ -33,7 +33,7 @@ from llsrbm.robots.drives.variants import driven
 from llsrbm.sweep import rows as row
 from llsrbm.sweep.folder import TABLE, begin_folder, check_empty, difference, disk_errors, stated_of
 from llsrbm.sweep.jump import plan_of, rollout_of
-from llsrbm.sweep.points import Point
+from llsrbm.sweep.points import REQUEST, Point
 from llsrbm.sweep.spec import Spec
 
 if TYPE_CHECKING:
@@ -47,8 +47,7 @@ LICENCE = "BSD-3-Clause (llsrbm); the robot's description has a licence of its o
 
 _INDEX = "index"
 _DIGITS = 8  # of a motion's number in its file's name: as many as a sweep may have rows
-_JUMP = tuple(Jump.__dataclass_fields__)
-_REQUEST = ("id", *_JUMP, "drive_torque", "drive_speed")
+_REQUEST = ("id", *REQUEST, "drive_torque", "drive_speed")
 _OF_PLANS = ("duration_s", "takeoff_s", "flight_s", "landing_s", "apex", "torque_share", "cost")
 _OUTCOMES = (
     *("landed", "strict", "final_yaw_error", "final_position_error", "final_tilt"),
@@ -269,7 +268,7 @@ def _computed(values: dict[str, Any], spec: Spec, source: str) -> Trajectory | N
     """The motion of a row; None: it is not strict when computed again."""
     point = Point(
         number=values["jump"],
-        jump=Jump(**{name: values[name] for name in _JUMP}),
+        jump=Jump(**{name: values[name] for name in REQUEST}),
         limits={name: values[row.LIMIT + name] for name in spec.limits},
         drive_torque=values["drive_torque"],
         drive_speed=values["drive_speed"],

@@ -26,6 +26,9 @@ from llsrbm.request.messages import choices
 from llsrbm.robots import load_robot
 from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
+REQUEST = tuple(name for name in Jump.__dataclass_fields__ if name != "payload")
+"""The fields of a jump that a sweep varies or states."""
+
 MOST_ROWS = 10**8
 """Rows of a sweep at most: two workers take a year for that."""
 
@@ -63,8 +66,9 @@ class Point:
 
 
 def request_in(jump: Jump) -> dict[str, Any]:
-    """The fields of a jump that sweeps vary or state: no payload."""
-    return {name: value for name, value in jump.as_dict().items() if name != "payload"}
+    """The fields of a jump that sweeps vary or state."""
+    values = jump.as_dict()
+    return {name: values[name] for name in REQUEST}
 
 
 class Points:

@@ -40,6 +40,7 @@ class DesignPage:
             open_file=lambda name, content: self.told.put(("upload", name, content)),
         )
         controls.add_progress()
+        controls.add_export()
         controls.add_tab()
 
         self.tabs.put((client, controls))

@@ -72,7 +72,7 @@ def empty(browser):
 def page(empty):
     empty.goto("about:blank")
     empty.evaluate(STAGE)
-    for name in ("page.js", "player.js"):
+    for name in ("elements.js", "page.js", "player.js"):
         empty.evaluate((STATIC / name).read_text("utf-8"))
     empty.evaluate("llsrbm.page.connect('a field')")
     load(empty, CLIP)

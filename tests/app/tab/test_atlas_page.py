@@ -17,7 +17,7 @@ MARK = "document.querySelector('.llsrbm-atlas .mark').getAttribute('transform')"
 def atlas(page):
     unfold(page, "Atlas")
     page.wait_for_function("llsrbm.atlas.map")
-    page.locator(MAP).wait_for()
+    page.locator(MAP).scroll_into_view_if_needed()
     return page
 
 
