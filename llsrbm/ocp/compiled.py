@@ -17,7 +17,7 @@ import sys
 import tempfile
 import time
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, lru_cache
@@ -30,7 +30,6 @@ from llsrbm.abandon import go_on
 from llsrbm.cache import forget_old, mark_used
 from llsrbm.file_locks import lock
 from llsrbm.ocp.compile_job import failed, is_sealed
-from llsrbm.ocp.stage_functions import mapped
 from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed, Transcription
 
 _log = logging.getLogger(__name__)
@@ -43,6 +42,7 @@ _OPTIONS = (
     *("-O1", "-march=native", "-fno-math-errno", "-ffp-contract=off"),
     *("-fPIC", "-shared", "-w"),
 )
+_THREADS = "-fopenmp"
 _JOB = Path(__file__).with_name("compile_job.py")
 # s that a compiler may take to list its macros.
 _MACROS_WITHIN = 10.0
@@ -74,7 +74,8 @@ def compiler() -> Compiler | None:
     except (OSError, subprocess.SubprocessError) as error:
         _log.warning("the C compiler %s cannot be used now: %s", path, error)
         return None
-    return Compiler((path, *_OPTIONS), f"{_OPTIONS} {macros}")
+    options = (*_OPTIONS, *((_THREADS,) if _knows_threads(path) else ()))
+    return Compiler((path, *options), f"{options} {macros}")
 
 
 @lru_cache(maxsize=4)  # of those that answered: one that was too slow is tried again
@@ -87,6 +88,17 @@ def _macros(path: str) -> str:
         timeout=_MACROS_WITHIN,
         check=True,
     ).stdout
+
+
+@cache
+def _knows_threads(path: str) -> bool:
+    """Whether the compiler, and a linker with it, has OpenMP."""
+    command = [path, _THREADS, "-shared", "-x", "c", os.devnull, "-o", os.devnull]
+    with suppress(OSError, subprocess.SubprocessError):
+        subprocess.run(command, capture_output=True, timeout=_MACROS_WITHIN, check=True)
+        return True
+    _log.info("%s has no OpenMP: solvers work on one core", path)
+    return False
 
 
 def c_files(transcription: Transcription) -> dict[str, str]:
@@ -112,7 +124,8 @@ def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
             write(function.name(), function)
         else:
             composed[function.name()] = function
-        return mapped(_elsewhere(function, scratch), count, *arguments)
+        loop = _loop(function, [argument.shape[1] for argument in arguments], count, scratch)
+        return list(loop.call(arguments))
 
     functions = transcription.assembled(mapped_in_c)
     if composed:  # in one file, as they call the same functions
@@ -122,29 +135,42 @@ def _written(transcription: Transcription, scratch: str) -> dict[str, str]:
     return files
 
 
-def _elsewhere(function: ca.Function, scratch: str) -> ca.Function:
-    """A function that stands for one in another file, in generated code.
+def _loop(function: ca.Function, columns: Sequence[int], count: int, scratch: str) -> ca.Function:
+    """In generated code, the loop over `count` stages of a function in another file, on all cores
+    where the compiler knows OpenMP.
 
-    CasADi's own files of it go into the folder `scratch`.
+    `columns`: of each argument, one where all stages share it. CasADi's own files of it go into the
+    folder `scratch`.
     """
     name, n_in, n_out = function.name(), function.n_in(), function.n_out()
-    # The one that stands for it has no room for what it works with. CasADi has moved both pointers
-    # past the arguments before the body begins.
+    steps = [function.numel_in(i) if n == count else 0 for i, n in enumerate(columns)]
+    # What stands for the function has no room for what it works with. CasADi has moved both
+    # pointers past the arguments before the body begins.
     body = (
         f"int {name}(const double **, double **, long long *, double *, int);\n"
+        "int k, wrong = 0;\n"
+        "#pragma omp parallel for reduction(||:wrong)\n"
+        f"for (k = 0; k < {count}; ++k) {{\n"
         f"const double *args[{function.sz_arg()}]; double *results[{function.sz_res()}];\n"
-        f"long long whole[{function.sz_iw() + 1}]; double work[{function.sz_w() + 1}]; int i;\n"
-        f"for (i = 0; i < {n_in}; ++i) args[i] = arg[i - {n_in}];\n"
-        f"for (i = 0; i < {n_out}; ++i) results[i] = res[i - {n_out}];\n"
-        f"return {name}(args, results, whole, work, mem);"
+        f"long long whole[{function.sz_iw() + 1}]; double work[{function.sz_w() + 1}];\n"
+        + "".join(
+            f"args[{i}] = arg[{i - n_in}] ? arg[{i - n_in}] + k * {step} : 0;\n"
+            for i, step in enumerate(steps)
+        )
+        + "".join(
+            f"results[{i}] = res[{i - n_out}] ? res[{i - n_out}] + k * {function.numel_out(i)} : 0;\n"
+            for i in range(n_out)
+        )
+        + f"wrong = {name}(args, results, whole, work, mem) || wrong;\n}}\n"
+        "return wrong;"
     )
     names = function.name_in(), function.name_out()
     sparsities = (
-        [function.sparsity_in(i) for i in range(n_in)],
-        [function.sparsity_out(i) for i in range(n_out)],
+        [ca.Sparsity.dense(function.size1_in(i), n) for i, n in enumerate(columns)],
+        [ca.Sparsity.dense(function.size1_out(i), count) for i in range(n_out)],
     )
     options = {"buffered": False, "jit_options": {"directory": f"{scratch}/"}}
-    return ca.Function.jit(f"call_{name}", body, *names, *sparsities, options)
+    return ca.Function.jit(f"each_{name}", body, *names, *sparsities, options)
 
 
 def packed(files: Mapping[str, str]) -> bytes:
@@ -189,6 +215,8 @@ class Library:
             self._job = None
         if not is_whole(self.path):
             return None
+        # Threads that wait leave the cores to other processes.
+        os.environ.setdefault("OMP_WAIT_POLICY", "passive")
         try:
             functions = {name: ca.external(name, str(self.path)) for name in FUNCTIONS}
             lists = ca.external("structure", str(self.path)).call([])

@@ -9,6 +9,7 @@ other jump is lost with it.
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
 import threading
 import time
@@ -358,7 +359,9 @@ def compute(function: Callable[..., Any], *arguments: Any, limit: float | None) 
 
 def _serve(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # of the terminal: the command ends its workers
-    with threadpool_limits(limits=1):  # a process a core: more threads would only wait
+    # A process a core: more threads would only wait, those of libraries that are loaded later too.
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with threadpool_limits(limits=1):
         while True:
             try:
                 function, arguments = connection.recv()
