@@ -46,7 +46,7 @@ def answer(planner: Planner, jump: Jump, limits: dict[str, float], hurried: bool
     row: dict[str, Any] = {"request": jump.as_dict(), "limits": limits}
     start = time.perf_counter()
     try:
-        planner.plan(jump, limits=limits, guesses=True, hurried=hurried)
+        planner.plan(jump, limits=limits, hurried=hurried)
     except llsrbm.NotConverged as error:
         row |= {"seconds": time.perf_counter() - start, "reason": error.reason}
         if error.nearest is not None:
@@ -72,7 +72,7 @@ def _enough(
     loose = {limit.name: limit.loosest for limit in found}
     for looser in (needed, loose) if needed else (loose,):
         try:
-            if planner.plan(jump, limits=limits | looser, guesses=True, explains=False).solved:
+            if planner.plan(jump, limits=limits | looser, explains=False).solved:
                 return True
         except llsrbm.NotConverged:
             continue

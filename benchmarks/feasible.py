@@ -1,15 +1,13 @@
 """The classifiers of jumps that can be planned (`llsrbm.atlas.feasible`): samples, fit and check.
 
     python -m benchmarks.feasible sample --robots anymal --seconds 240 --into build/feasible
-    python -m benchmarks.feasible from-tables --into build/feasible
     python -m benchmarks.feasible from-range --rows FILE [--unseen] --into build/feasible
     python -m benchmarks.feasible fit --samples build/feasible [--onto-shipped]
     python -m benchmarks.feasible sample --robots anymal --unseen --into build/feasible
     python -m benchmarks.feasible check --samples build/feasible
 
 Samples are planned with patience: what is not planned at once may be found on the way to the
-nearest jump. `from-tables` takes the jumps that the tables of guesses were made of, planned at once
-or not, for samples, `from-range` those that `benchmarks.range --out` kept. `fit` writes
+nearest jump. `from-range` takes those that `benchmarks.range --out` kept. `fit` writes
 `assets/feasible.json`, anew or, after a change of robots or planner, as a correction of the weights
 that ship. Once there is a fit, further samples to learn from are drawn where it is least sure.
 """
@@ -25,7 +23,6 @@ from typing import Annotated
 import numpy as np
 import typer
 
-from benchmarks.guess_tables import jumps, with_faces
 from llsrbm.atlas.feasible import (
     LIMITS,
     Feasible,
@@ -38,9 +35,9 @@ from llsrbm.atlas.feasible import (
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.installed import assets_directory
 from llsrbm.planning.answer.planner import planner_of
-from llsrbm.planning.solve.guess_table import REQUEST, numbers_key, table_path
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
+from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
 ROBOTS = "anymal,go2,slider,a1,go1,anymal_c,solo12,g1"
@@ -62,7 +59,7 @@ def drawn(robot: Robot, seed: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
     low, high = ends_of(robot)
     values = values_of(Jump(robot=robot.name), {}, robot)
-    many = len(REQUEST)
+    many = len(COMPONENTS)
     request = rng.uniform(low[:many], high[:many])
     some = rng.random(many) < 0.5 if rng.random() < FACES else np.full(many, True)
     values[:many] = np.where(some, request, 0.0)
@@ -75,11 +72,11 @@ def drawn(robot: Robot, seed: int) -> np.ndarray:
 def planned(robot: Robot, values: np.ndarray) -> bool | None:
     """Whether a request can be planned; None: it contradicts itself."""
     own = values_of(Jump(robot=robot.name), {}, robot)
-    jump = Jump(robot=robot.name, **dict(zip(REQUEST, map(float, values), strict=False)))
-    pairs = zip(LIMITS, values[len(REQUEST) :], own[len(REQUEST) :], strict=True)
+    jump = Jump(robot=robot.name, **dict(zip(COMPONENTS, map(float, values), strict=False)))
+    pairs = zip(LIMITS, values[len(COMPONENTS) :], own[len(COMPONENTS) :], strict=True)
     limits = {name: float(value) for name, value, default in pairs if value != default}
     try:
-        planner_of(jump).plan(jump, limits=limits, explains=False, guesses=True)
+        planner_of(jump).plan(jump, limits=limits, explains=False)
     except NotConverged:
         return False
     except InputError:
@@ -93,7 +90,7 @@ def table(folder: Path, robot: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     rows = (
         np.loadtxt(path, delimiter=",", ndmin=2)
         if path.exists() and path.stat().st_size
-        else np.empty((0, 3 + len(REQUEST) + len(LIMITS)))
+        else np.empty((0, 3 + len(COMPONENTS) + len(LIMITS)))
     )
     return rows[:, 0].astype(int), rows[:, 1] > 0, rows[:, 3:]
 
@@ -175,21 +172,6 @@ def scaled(robot: Robot, values: np.ndarray) -> np.ndarray:
 
 
 @app.command()
-def from_tables(into: Folder, robots: Robots = "anymal,go2,slider") -> None:
-    """Samples of robots whose tables hold all of their jumps that were planned."""
-    into.mkdir(parents=True, exist_ok=True)
-    for name in robots.split(","):
-        robot = load_robot(name)
-        with np.load(table_path(planner_of(Jump(robot=name)).formulation)) as arrays:
-            solved = arrays["requests"]
-        with (into / f"{name}.csv").open("a") as file:
-            for seed, jump in enumerate(with_faces(jumps("guesses", name))):
-                values = values_of(jump, {}, robot)
-                found = np.abs(solved - values[: len(REQUEST)]).max(axis=1).min() < 1e-5
-                csv.writer(file).writerow([seed, int(found), 0.0, *values.tolist()])
-
-
-@app.command()
 def from_range(
     into: Folder,
     rows: Annotated[Path, typer.Option(help="JSON lines of `benchmarks.range`.")],
@@ -199,7 +181,7 @@ def from_range(
     for line in rows.read_text(encoding="utf-8").splitlines():
         row = json.loads(line)
         robot = load_robot(row["robot"])
-        jump = Jump(robot=robot.name, **{name: row.get(name, 0.0) for name in REQUEST})
+        jump = Jump(robot=robot.name, **{name: row.get(name, 0.0) for name in COMPONENTS})
         values = values_of(jump, {}, robot).tolist()
         seed = row["seed"] % UNSEEN + UNSEEN * unseen
         with (into / f"{robot.name}.csv").open("a") as file:
@@ -244,8 +226,8 @@ def check(samples: Folder, robots: Robots = ROBOTS) -> None:
         unseen = seeds >= UNSEEN
         if feasible is None or not unseen.any():
             continue
-        own = values_of(Jump(robot=name), {}, robot)[len(REQUEST) :]
-        usual = (values[unseen][:, len(REQUEST) :] == own).all(axis=1)
+        own = values_of(Jump(robot=name), {}, robot)[len(COMPONENTS) :]
+        usual = (values[unseen][:, len(COMPONENTS) :] == own).all(axis=1)
         print_shares(name, feasible, can[unseen], values[unseen])
         print_shares(f"{name}, own limits", feasible, can[unseen][usual], values[unseen][usual])
 

@@ -32,7 +32,7 @@ REDUCED = (*((name,) for name in COMPONENTS), COMPONENTS)
 def planned(planner: Planner, jump: Jump, limits: dict[str, float]) -> bool:
     """Whether a jump can be planned by the first attempts."""
     try:
-        return planner.plan(jump, limits=limits, guesses=True, patient=False).solved
+        return planner.plan(jump, limits=limits, patient=False).solved
     except llsrbm.NotConverged:
         return False
 

@@ -59,7 +59,8 @@ def plan(
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
         near: a plan of a nearby request to the same robot and model to start from, for speed.
-        guesses: begin from solutions nearby that come with the project, where there are some.
+        guesses: begin the whole body's problem from jumps nearby that were solved before, where
+            the robot has a table of some (`llsrbm robot learn`).
         patient: look for the nearest jump that can be planned where the request cannot at once,
             now and then the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
@@ -88,7 +89,6 @@ def plan(
             weights=weights,
             limits=limits,
             near=near and _alone(near, robot),
-            guesses=guesses,
             patient=patient,
             explains=explains,
             hurried=hurried,
@@ -98,11 +98,15 @@ def plan(
     except NotConverged as error:
         nearest = error.nearest and _carrying(error.nearest, jump)
         if nearest is not None and not draft:
-            nearest = whole_body_plan(nearest, cancelled=cancelled, progress=progress)
+            nearest = whole_body_plan(
+                nearest, guesses=guesses, cancelled=cancelled, progress=progress
+            )
         raise error.with_plans(_carrying(error.plan, jump), nearest) from None
     first = replace(first, report=replace(first.report, build_time_s=build_time))
     first = _carrying(first, jump)
-    return first if draft else whole_body_plan(first, cancelled=cancelled, progress=progress)
+    if draft:
+        return first
+    return whole_body_plan(first, guesses=guesses, cancelled=cancelled, progress=progress)
 
 
 def _carrying(plan: Plan, jump: Jump) -> Plan:
@@ -122,17 +126,19 @@ def _alone(near: Plan, robot: Robot) -> Plan:
 def whole_body_plan(
     draft: Plan,
     *,
+    guesses: bool = True,
     cancelled: Callable[[], bool] | None = None,
     progress: Callable[[PlanningProgress], None] | None = None,
 ) -> Plan:
     """The whole body's plan of a draft that converged, with its certificate.
 
-    Where none is found it is the draft, without one; its `refinement` says so.
+    Where none is found it is the draft, without one; its `refinement` says so. `guesses`: as for
+    `plan`.
 
     Raises:
         Cancelled: `cancelled` was true.
     """
-    found = refined(draft, cancelled=cancelled, progress=progress)
+    found = refined(draft, learned=guesses, cancelled=cancelled, progress=progress)
     if not found.refined:
         return found
     if progress is not None:

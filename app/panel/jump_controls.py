@@ -23,9 +23,8 @@ from app.panel.jump_types import (
 )
 from app.viser_private import uuid_of
 from llsrbm import models
-from llsrbm.planning.solve.guess_table import REQUEST
 from llsrbm.request import jump_types
-from llsrbm.request.jump import ARMS, MOST_HOPS, Jump
+from llsrbm.request.jump import ARMS, COMPONENTS, MOST_HOPS, Jump
 from llsrbm.request.jump_types import JumpType
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.payload import HEAVIEST
@@ -90,7 +89,7 @@ SLIDERS = (
     ),
 )
 
-TINTED: Mapping[str, Field[Jump]] = dict(zip(REQUEST, SLIDERS, strict=False))
+TINTED: Mapping[str, Field[Jump]] = dict(zip(COMPONENTS, SLIDERS, strict=False))
 """Sliders whose tracks show what can be planned, by fields of a request.
 
 See `app.tab.planning.feasible`.

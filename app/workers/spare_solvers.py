@@ -33,7 +33,7 @@ def main(text: str) -> None:
     jump = Jump(**json.loads(text))
     planner = planner_of(jump)
     planner.prepare_nearest(jump)
-    plan = planner.plan(jump, guesses=True)
+    plan = planner.plan(jump)
     Replanning(plan, planner.robot, 1 / planner.robot.file.control.rate, Scenario().replan_latency)
 
 

@@ -26,8 +26,8 @@ from numpy.typing import NDArray
 
 from llsrbm.installed import assets_directory
 from llsrbm.planning.problem.placement import limits_of
-from llsrbm.planning.solve.guess_table import REQUEST, numbers_key
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ WIDTH = 0.15  # of half a range: how far around it a jump that was seen counts
 SURE = 2.0  # score to which a jump that was seen is corrected: odds of seven to one
 _MOST_SEEN = 200  # corrections; the oldest are forgotten
 _POINTS = 61  # along a slider
-_SIDED = [REQUEST.index("twist"), REQUEST.index("lateral")]  # change their sign in a mirror
+_SIDED = [COMPONENTS.index("twist"), COMPONENTS.index("lateral")]  # change their sign in a mirror
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +90,7 @@ class Feasible:
         """(n, D) of SI values: -1 to 1 over their ranges, limits no further than was sampled."""
         low, high = self.ends
         scaled: Array = 2 * (values - low) / (high - low) - 1
-        scaled[:, len(REQUEST) :] = scaled[:, len(REQUEST) :].clip(-1.0, 1.0)
+        scaled[:, len(COMPONENTS) :] = scaled[:, len(COMPONENTS) :].clip(-1.0, 1.0)
         return scaled
 
     def corrected(self, x: Array, feasible: bool) -> Feasible:
@@ -122,14 +122,14 @@ def _products(size: int) -> NDArray[np.int64]:
 
 def ends_of(robot: Robot) -> Array:
     """(2, D) lowest and highest of the request and of `LIMITS`, SI."""
-    ranges = [getattr(robot.file.task, name) for name in REQUEST]
+    ranges = [getattr(robot.file.task, name) for name in COMPONENTS]
     return np.array([*ranges, *LIMITS.values()], dtype=float).T
 
 
 def values_of(jump: Jump, limits: Mapping[str, float], robot: Robot) -> Array:
     """(D,) SI."""
     own = _own_limits(robot)
-    request = [getattr(jump, name) for name in REQUEST]
+    request = [getattr(jump, name) for name in COMPONENTS]
     return np.array([*request, *(limits.get(name, own[name]) for name in LIMITS)], dtype=float)
 
 
@@ -151,7 +151,7 @@ def made(robot: Robot, weights: Array) -> Feasible:
 def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
     """Why nothing is known of a request, as half a sentence; "": it is."""
     plain = Jump(robot=jump.robot)
-    names = {*plain.as_dict()} - {*REQUEST, "model", "arms"}
+    names = {*plain.as_dict()} - {*COMPONENTS, "model", "arms"}
     if any(getattr(jump, name) != getattr(plain, name) for name in names):
         return "of this type of jump"
     if jump.model != plain.model:
@@ -177,21 +177,21 @@ def learned(
 def tracks(
     jump: Jump, limits: Mapping[str, float], robot: Robot, feasible: Feasible | None = None
 ) -> dict[str, Track]:
-    """Field of `REQUEST` -> what can be planned along it; empty where `why_unknown`.
+    """Field of `COMPONENTS` -> what can be planned along it; empty where `why_unknown`.
 
     `feasible`: with what was seen; None: as it ships.
     """
     feasible = feasible or feasible_of(robot)
     if feasible is None or why_unknown(jump, limits, robot):
         return {}
-    low, high = feasible.ends[:, : len(REQUEST)]
+    low, high = feasible.ends[:, : len(COMPONENTS)]
     grids = np.linspace(low, high, _POINTS)
-    values = np.tile(values_of(jump, limits, robot), (len(REQUEST), _POINTS, 1))
-    for place in range(len(REQUEST)):
+    values = np.tile(values_of(jump, limits, robot), (len(COMPONENTS), _POINTS, 1))
+    for place in range(len(COMPONENTS)):
         values[place, :, place] = grids[:, place]
     flat = values.reshape(-1, values.shape[-1])
-    scores = feasible.scores(feasible.scaled(flat)).reshape(len(REQUEST), _POINTS)
-    return {name: Track(grids[:, k], scores[k]) for k, name in enumerate(REQUEST)}
+    scores = feasible.scores(feasible.scaled(flat)).reshape(len(COMPONENTS), _POINTS)
+    return {name: Track(grids[:, k], scores[k]) for k, name in enumerate(COMPONENTS)}
 
 
 @lru_cache(maxsize=16)

@@ -180,7 +180,7 @@ def _intervals(name: str, at: Sequence[str]) -> dict[str, Any]:
 
 def _at(robot: str, at: Sequence[str]) -> tuple[Jump, dict[str, float]]:
     from llsrbm.atlas.jumps import axis_of
-    from llsrbm.planning.solve.guess_table import REQUEST
+    from llsrbm.request.jump import COMPONENTS
     from llsrbm.request.messages import choices
     from llsrbm.sweep.rows import LIMIT
 
@@ -190,10 +190,10 @@ def _at(robot: str, at: Sequence[str]) -> tuple[Jump, dict[str, float]]:
         name, number = _value(text, axis_of)
         if name.startswith(LIMIT):
             limits[name.removeprefix(LIMIT)] = number
-        elif name in REQUEST:
+        elif name in COMPONENTS:
             values[name] = number
         else:
-            raise InputError(f'--at: "{name}"; {choices(name, (*REQUEST, LIMIT + "friction"))}')
+            raise InputError(f'--at: "{name}"; {choices(name, (*COMPONENTS, LIMIT + "friction"))}')
     return Jump(robot=robot, **values), limits
 
 

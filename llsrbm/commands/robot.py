@@ -1,4 +1,4 @@
-"""`llsrbm robot new`: a first robot file from a URDF."""
+"""`llsrbm robot`: a first robot file from a URDF, and a robot's table of solved jumps."""
 
 from __future__ import annotations
 
@@ -14,13 +14,15 @@ from llsrbm.commands import console
 from llsrbm.errors import InputError, RobotFileError
 
 robot_app = typer.Typer(
-    name="robot", help="Robot files: write a first one from a URDF.", rich_markup_mode=None
+    name="robot",
+    help="Robot files: write a first one from a URDF; learn jumps that later ones begin from.",
+    rich_markup_mode=None,
 )
 
 
 @robot_app.callback()
 def _robot() -> None:
-    """Robot files: write a first one from a URDF."""
+    """Robot files: write a first one from a URDF; learn jumps that later ones begin from."""
 
 
 @robot_app.command("new")
@@ -81,6 +83,28 @@ def new_command(
     for key, reason in proposal.left_out.items():
         print(f"  left out {key}: {reason}")
     print(f"try it: llsrbm simulate --robot {out} --twist 45, and docs/add_a_robot.md")
+    return console.DONE
+
+
+@robot_app.command("learn")
+def learn_command(
+    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="A robot's name, or its file.")],
+    jumps: Annotated[int, typer.Option(min=16, help="Requests that are looked at.")] = 120,
+    out: Annotated[
+        Path | None, typer.Option(help="The table's file; the robot's in the cache if left out.")
+    ] = None,
+) -> int:
+    """Solve jumps all over the robot's range, so that later ones begin from those nearby.
+
+    The first time it takes some minutes; started again it goes on from what is there.
+    """
+    from llsrbm.analysis.learning import learn
+    from llsrbm.robots import load_robot
+
+    with console.counting("jumps") as show:
+        path, table = learn(load_robot(robot), jumps, out, show)
+    megabytes = path.stat().st_size / 1e6
+    print(f"{path}: {len(table.requests)} of {jumps} jumps, {megabytes:.1f} MB")
     return console.DONE
 
 

@@ -146,23 +146,28 @@ def _loop(function: ca.Function, columns: Sequence[int], count: int, scratch: st
     steps = [function.numel_in(i) if n == count else 0 for i, n in enumerate(columns)]
     # What stands for the function has no room for what it works with. CasADi has moved both
     # pointers past the arguments before the body begins.
-    body = (
-        f"int {name}(const double **, double **, long long *, double *, int);\n"
-        "int k, wrong = 0;\n"
-        "#pragma omp parallel for reduction(||:wrong)\n"
-        f"for (k = 0; k < {count}; ++k) {{\n"
-        f"const double *args[{function.sz_arg()}]; double *results[{function.sz_res()}];\n"
-        f"long long whole[{function.sz_iw() + 1}]; double work[{function.sz_w() + 1}];\n"
-        + "".join(
-            f"args[{i}] = arg[{i - n_in}] ? arg[{i - n_in}] + k * {step} : 0;\n"
-            for i, step in enumerate(steps)
-        )
-        + "".join(
-            f"results[{i}] = res[{i - n_out}] ? res[{i - n_out}] + k * {function.numel_out(i)} : 0;\n"
-            for i in range(n_out)
-        )
-        + f"wrong = {name}(args, results, whole, work, mem) || wrong;\n}}\n"
-        "return wrong;"
+    takes = [
+        f"args[{i}] = arg[{i - n_in}] ? arg[{i - n_in}] + k * {step} : 0;"
+        for i, step in enumerate(steps)
+    ]
+    gives = [
+        f"results[{i}] = res[{i - n_out}] ? res[{i - n_out}] + k * {function.numel_out(i)} : 0;"
+        for i in range(n_out)
+    ]
+    body = "\n".join(
+        [
+            f"int {name}(const double **, double **, long long *, double *, int);",
+            "int k, wrong = 0;",
+            "#pragma omp parallel for reduction(||:wrong)",
+            f"for (k = 0; k < {count}; ++k) {{",
+            f"const double *args[{function.sz_arg()}]; double *results[{function.sz_res()}];",
+            f"long long whole[{function.sz_iw() + 1}]; double work[{function.sz_w() + 1}];",
+            *takes,
+            *gives,
+            f"wrong = {name}(args, results, whole, work, mem) || wrong;",
+            "}",
+            "return wrong;",
+        ]
     )
     names = function.name_in(), function.name_out()
     sparsities = (

@@ -6,7 +6,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 
 from llsrbm.errors import InputError
 from llsrbm.models import check_name, make_model
@@ -32,7 +32,6 @@ from llsrbm.planning.solve.formulation import (
     best_of,
     solve_options,
 )
-from llsrbm.planning.solve.guess_table import Guesses
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import cached_solver, is_built, of_jumps
@@ -45,7 +44,6 @@ from llsrbm.robots.robot import Robot
 _log = logging.getLogger(__name__)
 
 FOLLOWED = "from the last plan"
-NEARBY = "from solutions nearby"
 BY_NEARER = "by way of nearer jumps"
 NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
 # From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
@@ -89,11 +87,6 @@ class Planner:
         self.last: Attempt | None = None
         self._elastic_kept: ElasticFormulation | None = None  # of the last request's places
 
-    @cached_property
-    def guesses(self) -> Guesses:
-        """The robot's table of solutions."""
-        return Guesses(self.formulation)
-
     @property
     def solvers(self) -> tuple[solvers.Solver, ...]:
         """Solvers of the jumps, and of nearer ones once they were looked for."""
@@ -122,7 +115,6 @@ class Planner:
         weights: Mapping[str, float] | None = None,
         limits: Mapping[str, float] | None = None,
         near: Plan | None = None,
-        guesses: bool = False,
         patient: bool = True,
         explains: bool = True,
         hurried: bool = False,
@@ -137,8 +129,6 @@ class Planner:
             limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
             near: a plan to start from, of another request to the same robot and model. A few
                 degrees or centimetres away that is faster (docs/figures.md).
-            guesses: begin from solutions nearby, if there is a table (`guess_table`). Without, the
-                result depends on the request alone.
             patient: look for the nearest jump that can be planned where the request cannot at once;
                 now and then that is the request itself. Otherwise the first attempts are all.
             explains: whether what the request would need is found out, by further solves.
@@ -167,7 +157,7 @@ class Planner:
         if hurried and near is not None:
             tried, nearest = self._from_near(task, near, watch)
         else:
-            tried, nearest = self._from_scratch(task, near, guesses, looks, hurried, watch)
+            tried, nearest = self._from_scratch(task, near, looks, hurried, watch)
         if nearest is not None:
             whole = nearest.plain.task.jump == jump
             tried.append(replace(nearest.plain, label=BY_NEARER if whole else NEAREST))
@@ -177,7 +167,6 @@ class Planner:
         self,
         task: Task,
         near: Plan | None,
-        guesses: bool,
         looks: bool,
         hurried: bool,
         watch: Watch,
@@ -190,7 +179,7 @@ class Planner:
             if nearest is not None:
                 return [], nearest
         tried: list[Attempt] = []
-        for label, solve in self._attempts(task, near, guesses, looks, watch):
+        for label, solve in self._attempts(task, near, looks, watch):
             watch.begin(f"attempt {len(tried) + 1}: {label}")
             tried.append(replace(self.formulation.reconciled(solve(), watch), label=label))
             if tried[-1].solved:
@@ -302,7 +291,7 @@ class Planner:
         return (near.jump, near.solution.variables) if less else None
 
     def _attempts(
-        self, task: Task, near: Plan | None, guesses: bool, hurried: bool, watch: Watch
+        self, task: Task, near: Plan | None, hurried: bool, watch: Watch
     ) -> Iterator[tuple[str, Callable[[], Attempt]]]:
         """Label and solve of each attempt, in order; the next only when the one before failed.
 
@@ -312,28 +301,19 @@ class Planner:
         if near is not None:
             last = near.jump, usable_start(near, self.formulation)
             yield FOLLOWED, lambda: self._followed(task, *last, watch)
-        nearby = self.guesses.start(task) if guesses else None
-        if nearby is not None:
-            yield NEARBY, lambda: self._from_solution(task, *nearby, watch)
-        if nearby is None or not hurried:
-            options = FROM_GUESS_FIRST if hurried else solve_options(task)
-            solve = partial(self.formulation.solve, task, guess(task), watch, options)
-            yield "from the analytic guess", solve
+        options = FROM_GUESS_FIRST if hurried else solve_options(task)
+        solve = partial(self.formulation.solve, task, guess(task), watch, options)
+        yield "from the analytic guess", solve
 
     def _followed(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
-        """The attempt from the solution of the last jump."""
-        if task.jump.turns:
-            return self._from_solution(task, jump, start, watch)
-        return self.formulation.follow(task, start, watch)
-
-    def _from_solution(self, task: Task, jump: Jump, start: Iterate, watch: Watch) -> Attempt:
-        """The attempt from the solution of a jump nearby, of a table or a whole turn before.
+        """The attempt from the solution of the last jump.
 
         The momentum of a body that turns over, and where its feet roll to, are never those of the
         model alone: without what the whole body says of the solution nearby that one is none.
         """
-        if task.jump.turns:
-            task = with_bounds_nearby(self.formulation, task, jump, start)
+        if not task.jump.turns:
+            return self.formulation.follow(task, start, watch)
+        task = with_bounds_nearby(self.formulation, task, jump, start)
         return from_nearby(self.formulation, start, task, watch)
 
     def last_knots(self) -> Knots:

@@ -11,18 +11,20 @@ from functools import partial
 
 from llsrbm.motion.plan import Plan, Refinement
 from llsrbm.motion.robot import robot_of
+from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.learned import begun
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
 from llsrbm.planning.whole_body.result import plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
-from llsrbm.planning.whole_body.start import start_of
+from llsrbm.planning.whole_body.start import Start, start_of
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
@@ -39,31 +41,39 @@ class Refiner:
         self.robot, self.grid = robot, grid
         self.solver = _solver(robot, grid)
         self.last: Motion | None = None  # of the last plan, for studies
+        self.solution: Solution | None = None  # likewise
 
     def refine(
         self,
         plan: Plan,
         *,
+        learned: bool = True,
         cancelled: Callable[[], bool] | None = None,
         progress: Progress | None = None,
     ) -> Plan:
         """The whole body's plan, begun from a centroidal one; that itself where there is none.
 
-        Its `refinement` says which.
+        Its `refinement` says which. `learned`: begin from jumps nearby that were solved before,
+        where there are some.
 
         Raises:
             Cancelled: `cancelled` was true.
         """
-        begun, watch = time.perf_counter(), Watch(cancelled, progress)
+        asked, watch = time.perf_counter(), Watch(cancelled, progress)
         watch.wait()
         watch.begin("refining: the whole body's dynamics")
         rounds = Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)
-        rounds.solve(start_of(plan, self.robot, self.grid))
+        first = start_of(plan, self.robot, self.grid)
+        nearby = begun(plan, self.robot, self.grid, self.solver.sizes) if learned else None
+        if nearby is not None:
+            rounds.follow(self._beside(nearby, plan, first), nearby)
+        if not rounds.solved:
+            rounds.solve(first)
         result, last = plan, rounds.solutions[-1]
         if rounds.solved:
             assert rounds.motion is not None
             assert rounds.start is not None
-            self.last = rounds.motion
+            self.last, self.solution = rounds.motion, rounds.solution
             whole = plan_of(rounds.motion, rounds.start, plan, self.robot, self.grid)
             result = replace(whole, violations=rounds.found)
         else:
@@ -72,18 +82,26 @@ class Refiner:
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),
             solve_time_s=sum(each.solve_time_s for each in rounds.solutions),
-            total_time_s=time.perf_counter() - begun,
+            total_time_s=time.perf_counter() - asked,
             build_time_s=0.0,
             cost=last.cost,
             compiling=is_compiling(self.solver),
         )
         return replace(result, refinement=report)
 
+    def _beside(self, nearby: Iterate, plan: Plan, first: Start) -> Start:
+        """A start whose motion is that of variables nearby; `first`: the draft's."""
+        sizes = Sizes.of(self.robot, len(self.grid.phases))
+        motion = Motion.of(nearby.variables, self.grid, sizes)
+        there = first.timed(motion.durations, self.grid)
+        return start_of(plan_of(motion, there, plan, self.robot, self.grid), self.robot, self.grid)
+
 
 def refined(
     plan: Plan,
     robot: Robot | None = None,
     *,
+    learned: bool = True,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Plan:
@@ -99,7 +117,7 @@ def refined(
     start = time.perf_counter()
     refiner = interruptible(partial(refiner_of, plan, robot), cancelled)
     built = time.perf_counter() - start
-    result = refiner.refine(plan, cancelled=cancelled, progress=progress)
+    result = refiner.refine(plan, learned=learned, cancelled=cancelled, progress=progress)
     assert result.refinement is not None
     return replace(result, refinement=replace(result.refinement, build_time_s=built))
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
 from llsrbm.motion.plan import Violation
-from llsrbm.ocp.horizon import Problem, Solution
+from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import SolveOptions, Solver
 from llsrbm.planning.solve.watch import Watch
@@ -31,6 +31,7 @@ FROM_FAR = SolveOptions(mu=1e-2, iterations=80, push=0.01, acceptable=(5e-3, 4),
 LOOK = replace(FROM_FAR, iterations=12)  # after so many distances are measured again
 NEARER = replace(FROM_FAR, mu=1e-3)
 NEAR = replace(FROM_FAR, mu=1e-4, iterations=60)
+FOLLOWED_MISS = 3.0  # of rows, in their units, beyond which a solution nearby is not followed
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
 BETWEEN = 8  # parts of an interval at whose edges a motion is looked at
@@ -46,7 +47,8 @@ class Rounds:
 
     Attributes:
         solutions: all of them; found: name of rows -> the last one's largest violation.
-        motion, start: where all rows hold and links keep apart; `solved` says whether.
+        motion, start: where all rows hold and links keep apart; `solved` says whether; solution:
+            the solver's of that motion.
     """
 
     robot: Robot
@@ -58,6 +60,7 @@ class Rounds:
     found: dict[str, Violation] = field(default_factory=dict)
     motion: Motion | None = None
     start: Start | None = None
+    solution: Solution | None = None
     solved: bool = False
     _missed: float = np.inf  # by that motion, share of the weight
 
@@ -66,14 +69,19 @@ class Rounds:
 
     def solve(self, start: Start) -> None:
         """Solve from a start; where that fails, again with distances looked at early."""
-        for early in (False, True):
-            self._from(start, early)
+        guess = variables(start, self.grid, self.sizes)
+        for begun in (FROM_FAR, LOOK):
+            self._from(start, guess, (begun,))
             if self.solved:
                 break
 
-    def _from(self, start: Start, early: bool) -> None:
-        guess = variables(start, self.grid, self.sizes)
-        options: tuple[SolveOptions, ...] = (LOOK,) if early else (FROM_FAR,)
+    def follow(self, start: Start, begun: Iterate) -> None:
+        """Solve from what is near the solution; `start`: of its motion."""
+        self._from(start, begun.variables, (begun,))
+
+    def _from(
+        self, start: Start, guess: Array, options: tuple[SolveOptions | Iterate, ...]
+    ) -> None:
         for _ in range(ROUNDS):
             rows = RowBounds(self.robot, self.grid, self.sizes, start)
             hold = self._hold(rows, make_problem(rows), guess, options)
@@ -103,15 +111,25 @@ class Rounds:
         # Links may pass through each other between the instants at which they are apart.
         if distance.min() < 0 or missed >= self._missed:
             return False
-        self.motion, self.start, self.solved, self._missed = motion, start, True, float(missed)
+        self.motion, self.start, self.solution = motion, start, self.solutions[-1]
+        self.solved, self._missed = True, float(missed)
         return bool(missed > MISSED)
 
     def _hold(
-        self, rows: RowBounds, problem: Problem, guess: Array, options: tuple[SolveOptions, ...]
+        self,
+        rows: RowBounds,
+        problem: Problem,
+        guess: Array,
+        options: tuple[SolveOptions | Iterate, ...],
     ) -> bool:
         """Solve, and again from there where rows do not hold; whether they do in the end."""
         for each in options:
-            solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
+            if isinstance(each, Iterate):
+                solve = partial(
+                    self.solver.follow, problem, each, FOLLOWED_MISS, FROM_FAR.acceptable
+                )
+            else:
+                solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
             solution = self.watch.over(solve)
             self.solutions.append(solution)
             self.found = dict(self._violations(solution, problem, rows))

@@ -10,7 +10,8 @@ import numpy as np
 
 from llsrbm.atlas import feasible
 from llsrbm.atlas.feasible import LIMITS, feasible_of, features
-from llsrbm.planning.solve.guess_table import REQUEST, numbers_key
+from llsrbm.request.jump import COMPONENTS
+from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
 FULL = 0.8
@@ -27,7 +28,7 @@ def border(share: float) -> float:
 
 def weights() -> list[float]:
     """Of the score STEEP (border(share)^2 - twist^2), twist as a share of its range."""
-    names, (low, high) = [*REQUEST, *LIMITS], LIMITS["torque_share"]
+    names, (low, high) = [*COMPONENTS, *LIMITS], LIMITS["torque_share"]
     x = np.random.default_rng(0).uniform(-1, 1, (1000, len(names)))
     twist, share = x[:, names.index("twist")], x[:, names.index("torque_share")]
     full = 2 * (FULL - low) / (high - low) - 1

@@ -1,0 +1,103 @@
+"""Solves jumps over a robot's whole range, for later ones to begin from (`llsrbm robot learn`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats.qmc import Halton
+
+from llsrbm.certificate import certified
+from llsrbm.errors import InputError, NotConverged
+from llsrbm.planning.answer.planner import planner_of
+from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved, places, read, write
+from llsrbm.planning.whole_body.refine import Refiner, refiner_of
+from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.robots.robot import Robot
+
+JUMPS = 120  # of a table; of 76 three to ten iterations are left of some twenty
+SAVED_EVERY = 10  # jumps
+# Most people ask for one or two components: of the second of two jumps only these are left.
+_LEFT = [set(names) for count in (1, 2) for names in combinations(COMPONENTS, count)]
+
+
+def learn(
+    robot: Robot,
+    count: int = JUMPS,
+    out: Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Path, Learned]:
+    """Solve jumps and keep those whose certificate holds; goes on from what a file has.
+
+    Args:
+        robot: whose jumps of the default type.
+        count: requests, from which the file's own are left out.
+        out: the file; None: the robot's in the cache.
+        progress: told how many requests were looked at, and of how many.
+
+    Returns:
+        The file, and its table.
+
+    Raises:
+        InputError: fewer jumps were found than a table needs, or the file cannot be written.
+    """
+    refiner = _refiner(robot)
+    path = out or places(robot, refiner.grid)[1]
+    table = read(path, robot, refiner.grid)
+    solved = [] if table is None else table.solved(robot)
+    known = {jump for jump, _ in solved}
+    for number, jump in enumerate(requests(robot, count), 1):
+        if jump not in known and (found := _solve(jump, refiner)) is not None:
+            solved.append(found)
+        if progress is not None:
+            progress(number, count)
+        enough = len(solved) >= NEIGHBOURS
+        if enough and (number % SAVED_EVERY == 0 or number == count):
+            table = Learned.of(solved, robot)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write(path, table, robot, refiner.grid)
+    if table is None:
+        raise InputError(
+            f"{robot.name}: certificates of {len(solved)} of {count} jumps hold; expected at least "
+            f"{NEIGHBOURS} for a table: more jumps, or ranges that the robot can do"
+        )
+    return path, table
+
+
+def requests(robot: Robot, count: int) -> Iterator[Jump]:
+    """Jumps all over a robot's range, the same every time."""
+    ranges = np.array([getattr(robot.file.task, name) for name in COMPONENTS])
+    shares = Halton(len(COMPONENTS), scramble=False).random(count // 2 + 2)[1:]
+    values = ranges[:, 0] + shares * np.ptp(ranges, axis=1)
+    plain = Jump(robot=str(robot.path))
+    for number in range(count):
+        asked: dict[str, Any] = dict(zip(COMPONENTS, values[number // 2].tolist(), strict=True))
+        if number % 2:
+            left = _LEFT[number // 2 % len(_LEFT)]
+            asked |= {name: 0.0 for name in COMPONENTS if name not in left}
+        yield replace(plain, **asked)
+
+
+def _refiner(robot: Robot) -> Refiner:
+    """Of jumps of the default type, with a solver that is compiled, where that can be."""
+    planner = planner_of(Jump(robot=str(robot.path)))
+    planner.formulation.solver.settle()
+    refiner = refiner_of(planner.plan(Jump(robot=str(robot.path))), robot)
+    refiner.solver.settle()
+    return refiner
+
+
+def _solve(jump: Jump, refiner: Refiner) -> Solved | None:
+    try:
+        draft = planner_of(jump).plan(jump, patient=False, explains=False)
+    except NotConverged:
+        return None
+    plan = refiner.refine(draft, learned=False)
+    if not certified(plan, refiner.robot).certified:
+        return None
+    assert refiner.solution is not None
+    return Solved(jump, refiner.solution)
