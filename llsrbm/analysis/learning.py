@@ -84,9 +84,8 @@ def requests(robot: Robot, count: int) -> Iterator[Jump]:
 
 def _refiner(robot: Robot) -> Refiner:
     """Of jumps of the default type, with a solver that is compiled, where that can be."""
-    planner = planner_of(Jump(robot=str(robot.path)))
-    planner.formulation.solver.settle()
-    refiner = refiner_of(planner.plan(Jump(robot=str(robot.path))), robot)
+    plain = Jump(robot=str(robot.path))
+    refiner = refiner_of(planner_of(plain).plan(plain), robot)
     refiner.solver.settle()
     return refiner
 

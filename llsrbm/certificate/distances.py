@@ -11,16 +11,17 @@ from typing import ClassVar
 
 import coal
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.least_distance import least_distance
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Block, Surroundings, surroundings
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.link_shapes import LinkShapes
+from llsrbm.robots.placements import placements
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
@@ -43,9 +44,12 @@ class SelfDistance(Check):
         shapes = LinkShapes.of(motion.robot)
         if not shapes.pairs:
             return self.nothing("no links can meet")
+        if (lost := motion.lost) is not None:
+            return self.least(motion, -np.inf, lost, APART, "")
         distance, pair = shapes.nearest(motion.q)
-        names = [" - ".join(shapes.pairs[k]) for k in pair]
-        return self.least(motion, distance, APART, names)
+        k = int(distance.argmin())
+        names = " - ".join(shapes.pairs[pair[k]])
+        return self.least(motion, float(distance[k]), k, APART, names)
 
 
 class Clearance(Check):
@@ -64,8 +68,10 @@ class Clearance(Check):
         around = _around(motion)
         if around is None:
             return self.unknown("no foot stands, so the height of the ground is not known")
-        distance, names = _nearest(motion, around)
-        return self.least(motion, distance, TOUCHING, names)
+        if (lost := motion.lost) is not None:
+            return self.least(motion, -np.inf, lost, TOUCHING, "")
+        distance, instant, name = _nearest(motion, around)
+        return self.least(motion, distance, instant, TOUCHING, name)
 
 
 def _around(motion: SampledMotion) -> Surroundings | None:
@@ -78,42 +84,40 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     return Surroundings(float(np.median(heights)), ()) if len(heights) else None
 
 
-def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[Array, list[str]]:
-    """(K,) m, the least distance at each instant, and what is that near to what."""
+def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, str]:
+    """The least distance, m, its instant's number, and what is that near to what."""
     shapes, bodies = link_shapes(motion.robot), around.solids
     geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(_turn(block.yaw), block.centre) for block in bodies]
     rotation, centre = _placed(motion, shapes)
-    bound = _at_least(motion, around, shapes, geometries, rotation, centre)
-    instants = len(motion.time)
-    least, names = np.full(instants, np.inf), [""] * instants
+    middles, radii = (np.array(each) for each in zip(*map(_sphere, geometries), strict=True))
+    middle = centre + np.einsum("ksij,sj->ksi", rotation, middles)
+    bound = _at_least(motion, around, shapes, middle, radii)
     request, result = coal.DistanceRequest(), coal.DistanceResult()
-    nearest_first = bound.reshape(instants, -1).argsort(axis=1)
-    for k, pairs in enumerate(nearest_first):
-        for s, b in zip(*np.unravel_index(pairs, bound.shape[1:]), strict=True):
-            if bound[k, s, b] >= least[k]:
-                break
-            result.clear()
-            here = coal.Transform3s(rotation[k, s], centre[k, s])
-            of = geometries[s], here, boxes[b], places[b]
-            distance = float(coal.distance(*of, request, result))
-            if distance < least[k]:
-                least[k], names[k] = distance, f"{shapes[s].link} - {bodies[b].name}"
-    return least, names
+
+    def measure(instant: int, pair: int) -> float:
+        s, b = divmod(pair, len(boxes))
+        result.clear()
+        here = coal.Transform3s(rotation[instant, s], centre[instant, s])
+        return float(coal.distance(geometries[s], here, boxes[b], places[b], request, result))
+
+    def moved(instant: int, pair: int) -> Array:
+        s = pair // len(boxes)
+        went = np.linalg.norm(middle[:, s] - middle[instant, s], axis=1)
+        turned = np.linalg.norm(rotation[:, s] - rotation[instant, s], axis=(1, 2))
+        nearer: Array = went + radii[s] * turned / np.sqrt(2)
+        return nearer
+
+    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, moved)
+    s, b = divmod(pair, len(boxes))
+    return least, instant, f"{shapes[s].link} - {bodies[b].name}"
 
 
 def _placed(motion: SampledMotion, shapes: Sequence[Shape]) -> tuple[Array, Array]:
     """(K, S, 3, 3), (K, S, 3) m: turn and centre of each shape at each instant."""
-    model, data = motion.model, motion.model.createData()
-    joints = len(data.oMi)
-    turn, at = np.empty((len(motion.time), joints, 3, 3)), np.empty((len(motion.time), joints, 3))
-    for k, q in enumerate(motion.q):
-        pin.forwardKinematics(model, data, q)
-        for j, joint in enumerate(data.oMi):
-            turn[k, j], at[k, j] = joint.rotation, joint.translation
     of = [shape.joint for shape in shapes]
-    turn, at = turn[:, of], at[:, of]
+    turn, at = (each[:, of] for each in placements(motion.model, motion.q))
     centres = np.array([shape.centre for shape in shapes])
     rotation = turn @ np.array([shape.rotation for shape in shapes])
     return rotation, at + np.einsum("ksij,sj->ksi", turn, centres)
@@ -123,15 +127,15 @@ def _at_least(
     motion: SampledMotion,
     around: Surroundings,
     shapes: Sequence[Shape],
-    geometries: Sequence[coal.ShapeBase],
-    rotation: Array,
-    centre: Array,
+    middle: Array,
+    radii: Array,
 ) -> Array:
-    """(K, S, B) m, no more than a shape's distance from a body; inf where it does not count."""
-    middles, radii = zip(*map(_sphere, geometries), strict=True)
-    at = centre + np.einsum("ksij,sj->ksi", rotation, np.array(middles))
-    bound = np.stack([_from_box(block, at) for block in around.solids], axis=-1)
-    bound -= np.array(radii)[:, None]
+    """(K, S, B) m, no more than a shape's distance from a body; inf where it does not count.
+
+    `middle`: (K, S, 3) m of spheres around the shapes, of `radii` (S,) m.
+    """
+    bound = np.stack([_from_box(block, middle) for block in around.solids], axis=-1)
+    bound -= radii[:, None]
     for b, block in enumerate(around.solids):
         there = (block.from_s <= motion.time) & (motion.time < block.until_s)
         bound[~there, :, b] = np.inf

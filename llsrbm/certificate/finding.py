@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -117,14 +116,11 @@ class Check(ABC):
         )
 
     def least(
-        self, motion: SampledMotion, values: Array, limit: float, names: Sequence[str]
+        self, motion: SampledMotion, distance: float, instant: int, limit: float, name: str
     ) -> Finding:
-        """The least of distances (K,) m, at `names` (K,), which has to be `limit` or more."""
-        bad = np.where(np.isnan(values), -np.inf, values)
-        k = int(np.argmin(bad))
-        worst = float(bad[k])
+        """The least distance, m, at an instant of the motion, which has to be `limit` or more."""
         return Finding(
-            *(self.name, worst, limit, self.unit, names[k], float(motion.time[k])),
-            holds=worst >= limit,
+            *(self.name, distance, limit, self.unit, name, float(motion.time[instant])),
+            holds=distance >= limit,
             allowed=limit,
         )

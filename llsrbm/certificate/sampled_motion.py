@@ -88,6 +88,12 @@ class SampledMotion:
         """(K, J) rad/s or m/s."""
         return self.v[:, 6:]
 
+    @property
+    def lost(self) -> int | None:
+        """The number of the first instant at which the state is no number; None: there is none."""
+        missing = ~np.isfinite(self.q).all(axis=1)
+        return int(missing.argmax()) if missing.any() else None
+
     @cached_property
     def weight(self) -> float:
         """N."""

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
+from llsrbm.robots.placements import placements
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
@@ -180,17 +181,10 @@ class LinkShapes:
 
     def _bounds(self, postures: Array) -> Array:
         """(T, K) m: what the distance of each of the geometry's pairs is at least."""
-        model, data = self.robot.model, self.robot.model.createData()
         joints = [shape.joint for shape in self.shapes]
         centre, radius = self.spheres
-        rotation = np.empty((len(postures), len(joints), 3, 3))
-        origin = np.empty(rotation.shape[:-1])
-        for t, q in enumerate(postures):
-            pin.forwardKinematics(model, data, q)
-            moved = [data.oMi[joint] for joint in joints]
-            rotation[t] = [placement.rotation for placement in moved]
-            origin[t] = [placement.translation for placement in moved]
-        centres = origin + np.einsum("tsij,sj->tsi", rotation, centre)
+        turn, origin = (each[:, joints] for each in placements(self.robot.model, postures))
+        centres = origin + np.einsum("tsij,sj->tsi", turn, centre)
         one, other = np.reshape(np.array(self.shape_pairs, dtype=np.int64), (-1, 2)).T
         apart = np.linalg.norm(centres[:, one] - centres[:, other], axis=-1)
         bounds: Array = apart - radius[one] - radius[other]

@@ -1,0 +1,109 @@
+"""Tables of solved jumps: what they give, and which are ignored."""
+
+import logging
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import llsrbm
+from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.whole_body import learned
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved
+from llsrbm.planning.whole_body.refine import refined
+from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives.variants import with_drives
+
+ROBOT = "go2"
+GRID = Grid((((0, 1, 2, 3), 8), ((), 12), ((0, 1, 2, 3), 8)))
+SLOPES = np.random.default_rng(1).normal(size=(4, 7))
+
+
+def values(jump):
+    """Numbers that are linear in a request."""
+    return np.array([getattr(jump, name) for name in COMPONENTS]) @ SLOPES + np.arange(7)
+
+
+@pytest.fixture
+def table():
+    rng, robot = np.random.default_rng(2), load_robot(ROBOT)
+    ranges = np.array([getattr(robot.file.task, name) for name in COMPONENTS])
+    jumps = [
+        Jump(robot=ROBOT, **dict(zip(COMPONENTS, map(float, rng.uniform(*ranges.T)), strict=True)))
+        for _ in range(3 * NEIGHBOURS)
+    ]
+    return Learned.of([Solved(j, Iterate(values(j), values(j)[:3])) for j in jumps], robot)
+
+
+def test_what_is_linear_in_the_request_is_met(table):
+    jump = Jump(robot=ROBOT, twist=0.7, forward=0.1, lateral=-0.05, height=0.04)
+    found = table.guess(jump)
+    np.testing.assert_allclose(found.variables, values(jump), atol=5e-3)
+    np.testing.assert_allclose(found.multipliers, values(jump)[:3], atol=5e-3)
+
+
+def test_a_file_has_the_table(table, tmp_path):
+    robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
+    learned.write(path, table, robot, GRID)
+    again = learned.read(path, robot, GRID)
+    largest = np.abs(table.variables).max(axis=0)
+    assert (np.abs(again.variables - table.variables) <= 2.0**-11 * largest).all()
+    np.testing.assert_allclose(again.multipliers, table.multipliers, rtol=2.0**-4)
+    assert [jump for jump, _ in again.solved(robot)] == [
+        replace(jump, robot=str(robot.path)) for jump, _ in table.solved(robot)
+    ]
+
+
+def test_of_other_numbers_it_is_ignored_with_a_warning(table, tmp_path, caplog):
+    robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
+    learned.write(path, table, robot, GRID)
+    stronger = with_drives(robot, torque=1.2)
+    with caplog.at_level(logging.WARNING):
+        assert learned.read(path, stronger, GRID) is None
+    assert "learned with other numbers of the robot" in caplog.text
+
+
+def test_of_another_type_of_jump_it_is_left_alone(table, tmp_path, caplog):
+    robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
+    learned.write(path, table, robot, GRID)
+    with caplog.at_level(logging.WARNING):
+        assert learned.read(path, robot, Grid((GRID.phases[0], *GRID.phases))) is None
+        assert learned.read(tmp_path / "none.npz", robot, GRID) is None
+    assert caplog.text == ""
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 0.99])
+def test_a_damaged_one_is_ignored_with_a_warning(share, table, tmp_path, caplog):
+    robot, path = load_robot(ROBOT), tmp_path / f"{share}.npz"
+    learned.write(path, table, robot, GRID)
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with caplog.at_level(logging.WARNING):
+        assert learned.read(path, robot, GRID) is None
+    assert "it is damaged" in caplog.text
+
+
+def test_jumps_from_a_table_are_those_from_drafts_in_fewer_iterations():
+    draft = llsrbm.plan(Jump(robot=ROBOT, twist=0.5, forward=0.12, lateral=0.04), draft=True)
+    own, nearby = refined(draft, learned=False), refined(draft)
+    assert nearby.refined
+    assert nearby.refinement.iterations <= own.refinement.iterations / 2
+    assert nearby.refinement.cost < 1.02 * own.refinement.cost
+    assert llsrbm.certify(nearby).holds
+
+
+def test_what_no_table_is_of_begins_from_its_draft(table, monkeypatch):
+    monkeypatch.setattr(learned, "_table", lambda robot, grid: table)
+    robot, plain = load_robot(ROBOT), llsrbm.plan(Jump(robot=ROBOT, twist=0.3), draft=True)
+
+    def begun(**changes):
+        draft = replace(plain, **changes)
+        return learned.begun(draft, robot, Grid.of(draft), (7, 3))
+
+    assert begun() is not None
+    for other in ({"model": "srbm"}, {"type": "one-foot-first"}, {"payload": (1.0, 0, 0, 0)}):
+        assert begun(jump=replace(plain.jump, **other)) is None
+    assert begun(tuning=Tuning(limits={"torque_share": 0.8})) is None
+    assert learned.begun(plain, robot, Grid.of(plain), (7, 4)) is None
