@@ -19,10 +19,9 @@ from app.tab.effects import Notify, Share, ShowGallery, ShowTuning
 from app.tab.planning.known import answer_of, show_again, with_answer
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
-from llsrbm.planning.solve.guess_table import REQUEST
 from llsrbm.request import jump_types
 from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.tuning import Tuning
 
 _OTHER_SLIDERS = "The sliders hold {}'s own example now; Undo brings the robot before back."
@@ -51,7 +50,7 @@ def choose_jump(state: TabState, jump: Jump) -> Step:
 
 def _alike(one: Jump, other: Jump) -> bool:
     """Whether the sliders stand alike."""
-    return all(getattr(one, name) == getattr(other, name) for name in REQUEST)
+    return all(getattr(one, name) == getattr(other, name) for name in COMPONENTS)
 
 
 def _on_another_robot(jump: Jump, state: TabState) -> Jump:
