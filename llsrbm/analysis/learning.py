@@ -75,15 +75,15 @@ def requests(robot: Robot, count: int) -> Iterator[Jump]:
     values = ranges[:, 0] + shares * np.ptp(ranges, axis=1)
     plain = Jump(robot=str(robot.path))
     for number in range(count):
-        asked: dict[str, Any] = dict(zip(COMPONENTS, values[number // 2].tolist(), strict=True))
+        components: dict[str, Any] = dict(zip(COMPONENTS, values[number // 2].tolist(), strict=True))
         if number % 2:
             left = _LEFT[number // 2 % len(_LEFT)]
-            asked |= {name: 0.0 for name in COMPONENTS if name not in left}
-        yield replace(plain, **asked)
+            components |= {name: 0.0 for name in COMPONENTS if name not in left}
+        yield replace(plain, **components)
 
 
 def _refiner(robot: Robot) -> Refiner:
-    """Of jumps of the default type, with a solver that is compiled, where that can be."""
+    """The refiner of jumps of the default type, its solver compiled where that can be."""
     plain = Jump(robot=str(robot.path))
     refiner = refiner_of(planner_of(plain).plan(plain), robot)
     refiner.solver.settle()

@@ -59,7 +59,7 @@ class Refiner:
         Raises:
             Cancelled: `cancelled` was true.
         """
-        asked, watch = time.perf_counter(), Watch(cancelled, progress)
+        called, watch = time.perf_counter(), Watch(cancelled, progress)
         watch.wait()
         watch.begin("refining: the whole body's dynamics")
         rounds = Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)
@@ -82,7 +82,7 @@ class Refiner:
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),
             solve_time_s=sum(each.solve_time_s for each in rounds.solutions),
-            total_time_s=time.perf_counter() - asked,
+            total_time_s=time.perf_counter() - called,
             build_time_s=0.0,
             cost=last.cost,
             compiling=is_compiling(self.solver),
