@@ -75,7 +75,9 @@ def requests(robot: Robot, count: int) -> Iterator[Jump]:
     values = ranges[:, 0] + shares * np.ptp(ranges, axis=1)
     plain = Jump(robot=str(robot.path))
     for number in range(count):
-        components: dict[str, Any] = dict(zip(COMPONENTS, values[number // 2].tolist(), strict=True))
+        components: dict[str, Any] = dict(
+            zip(COMPONENTS, values[number // 2].tolist(), strict=True)
+        )
         if number % 2:
             left = _LEFT[number // 2 % len(_LEFT)]
             components |= {name: 0.0 for name in COMPONENTS if name not in left}
