@@ -1,4 +1,4 @@
-"""Iterations that tables of solved jumps save: `python -m benchmarks.learned [--robots go2] [--jumps 40]`.
+"""Iterations that tables of solved jumps save (`python -m benchmarks.learned [--robots go2]`).
 
 The same random requests begin from their drafts and from jumps nearby, one after the other in one
 process, with compiled functions. Iterations, processor and wall time of the whole body's problem,
