@@ -39,8 +39,8 @@ from llsrbm.ocp.compiled import Compiler, is_whole
 
 _log = logging.getLogger(__name__)
 
-# Rows of plans reach 5, SLIDER's 12. Where they grow, slopes grow faster: near a solution no step
-# leads to rows beyond this.
+# Rows of drafts reach 5, SLIDER's 12. Where they grow, slopes grow faster: near a solution no step
+# leads to rows beyond this, if it does not begin there.
 WITHIN = 40.0
 # Multipliers of plans reach 22. Where rows leave next to no room they grow without bounds, 1e7 and
 # more were seen of robots thrown up hard: rows are not scaled by larger ones.

@@ -23,6 +23,8 @@ NEAR_ITERATIONS = 15
 # Of a row with two bounds only the one that is nearer by this ratio counts near a solution. Of 0.02
 # to 1 this one loses the fewest solves, and moves the CoM of a solution by less than 0.4 mm.
 NEARER = 0.05
+# Rows that begin large, as squared distances do, may grow by this factor.
+GROWTH = 2.0
 # Scales of rows are the bounds' multipliers, not smaller than this: Fatrop sees scaled violations.
 LEAST_SCALE = 1e-7
 
@@ -111,9 +113,10 @@ class Fatrop(Solver):
         scale = np.where(inequality, np.maximum(np.abs(start.multipliers), LEAST_SCALE), 1.0)
         if not scale.max() <= LARGEST_SCALE:
             return self._not_begun(problem, start, largest_violation(problem, rows))
+        within = max(WITHIN, GROWTH * np.abs(rows).max())
         arguments = {
             "x0": start.variables,
-            "p": np.concatenate([problem.parameters, scale]),
+            "p": np.concatenate([problem.parameters, scale, [within]]),
             "lbg": scale * lower,
             "ubg": scale * upper,
         }
@@ -134,13 +137,17 @@ def _set_print_level(level: int) -> None:
 
 
 def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
-    """The same problem with every row of g times a parameter; these follow its own parameters."""
+    """The same problem with every row of g times a parameter, and no number where one is too large.
+
+    These scales follow its own parameters, and the size of rows beyond which g is no number is last.
+    """
     jacobian = functions["nlp_jac_g"]
     pattern = jacobian.sparsity_out(1)
     rows = pattern.size1()
     x, lam_f = ca.MX.sym("x", pattern.size2()), ca.MX.sym("lam_f")
-    lam, both = ca.MX.sym("lam_g", rows), ca.MX.sym("p", jacobian.numel_in(1) + rows)
-    p, scale = ca.vertsplit(both, [0, jacobian.numel_in(1), both.numel()])
+    own = jacobian.numel_in(1)
+    lam, all_p = ca.MX.sym("lam_g", rows), ca.MX.sym("p", own + rows + 1)
+    p, scale, within = ca.vertsplit(all_p, [0, own, own + rows, own + rows + 1])
     g, J = jacobian(x, p)
     cost, df, unscaled = (functions[name](x, p) for name in ("nlp_f", "nlp_grad_f", "nlp_g"))
     _, H = functions["nlp_hess_l"](x, p, lam_f, scale * lam)
@@ -148,13 +155,13 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
     results = {
         "nlp": [cost, scale * unscaled],
         "nlp_f": [cost],
-        "nlp_g": [scale * _no_number_beyond(unscaled, WITHIN)],
+        "nlp_g": [scale * _no_number_beyond(unscaled, within)],
         "nlp_grad_f": [df],
         "nlp_jac_g": [scale * g, ca.MX(pattern, J.nz[:] * scale.nz[pattern.row()])],
         "nlp_hess_l": [ca.MX(x.numel(), 1), H],
-        "nlp_grad": [cost, scale * unscaled, slope, ca.vertcat(slope_p, ca.MX(rows, 1))],
+        "nlp_grad": [cost, scale * unscaled, slope, ca.vertcat(slope_p, ca.MX(rows + 1, 1))],
     }
-    arguments = [x, both, lam_f, lam]
+    arguments = [x, all_p, lam_f, lam]
     return {
         name: ca.Function(
             name,
@@ -167,7 +174,7 @@ def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Functio
     }
 
 
-def _no_number_beyond(rows: ca.MX, within: float) -> ca.MX:
+def _no_number_beyond(rows: ca.MX, within: float | ca.MX) -> ca.MX:
     """Rows, or none that is a number where one of them is larger: line searches step back there."""
     return rows / (ca.norm_inf(rows) <= within)
 

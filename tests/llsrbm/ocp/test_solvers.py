@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from llsrbm.ocp import solvers
-from llsrbm.ocp.solvers import FROM_GUESS, SolveOptions
+from llsrbm.ocp.solvers import FROM_GUESS, WITHIN, SolveOptions
 from llsrbm.ocp.solvers.base import MAX_FOLLOW_MISS
 from llsrbm.ocp.transcription import Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
@@ -81,6 +81,18 @@ def test_to_follow_is_quicker_and_ends_at_the_same_place(name):
     assert followed.converged
     assert followed.iterations <= cold.iterations
     np.testing.assert_allclose(followed.variables, cold.variables, atol=1e-3)
+
+
+@every_solver
+def test_rows_that_are_large_are_followed(name):
+    """Squared distances begin at 60: with those beyond 40 no numbers Fatrop stepped back for ever."""
+    target = 1.5 * WITHIN
+    near = solver(name).solve(problem(target), GUESS)
+    rows = np.array(solver(name).function("nlp_g")(near.variables, problem(target).parameters))
+    assert np.abs(rows).max() > WITHIN
+    followed = solver(name).follow(problem(target + 0.05), near)
+    assert followed.converged
+    assert places(followed.variables)[-1] == pytest.approx(target + 0.05, abs=1e-4)
 
 
 def test_what_is_too_far_is_not_begun():
