@@ -85,7 +85,7 @@ def test_to_follow_is_quicker_and_ends_at_the_same_place(name):
 
 @every_solver
 def test_rows_that_are_large_are_followed(name):
-    """Squared distances begin at 60: with those beyond 40 no numbers Fatrop stepped back for ever."""
+    """Squared distances begin at 60, and with no number beyond 40 Fatrop never returned."""
     target = 1.5 * WITHIN
     near = solver(name).solve(problem(target), GUESS)
     rows = np.array(solver(name).function("nlp_g")(near.variables, problem(target).parameters))
