@@ -139,7 +139,7 @@ def _set_print_level(level: int) -> None:
 def _with_scaled_rows(functions: dict[str, ca.Function]) -> dict[str, ca.Function]:
     """The same problem with every row of g times a parameter, and no number where one is too large.
 
-    These scales follow its own parameters, and the size of rows beyond which g is no number is last.
+    Scales follow its own parameters; the size of rows beyond which g is no number is the last one.
     """
     jacobian = functions["nlp_jac_g"]
     pattern = jacobian.sparsity_out(1)
