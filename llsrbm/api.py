@@ -20,13 +20,14 @@ from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.jump_layout import INTERVALS
+from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import PlanningProgress
-from llsrbm.planning.whole_body.refine import refined
+from llsrbm.planning.whole_body.refine import planned, refined
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import of_its_type
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
+from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
 
@@ -49,8 +50,10 @@ def plan(
 ) -> Plan:
     """Plan a jump; the solvers of each robot and model are built once and kept.
 
-    The plan is the whole body's, with its certificate; `Plan.certified`: it holds. Where the whole
-    body's problem finds none the draft is returned, which `Plan.refined` and `refinement` say.
+    The plan is the whole body's, with its certificate; `Plan.certified`: it holds. It begins from
+    jumps nearby that were solved before, if the robot has a table of some and its certificate holds
+    so; else from a draft, the centroidal plan of the first stage. Where the whole body's problem
+    finds none the draft is returned, which `Plan.refined` and `refinement` say.
 
     Args:
         jump: the request.
@@ -58,9 +61,10 @@ def plan(
         intervals: N, shared evenly by the three phases.
         weights: cost name -> weight, in place of the defaults (`llsrbm.planning.problem.costs`).
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
-        near: a plan of a nearby request to the same robot and model to start from, for speed.
-        guesses: begin the whole body's problem from jumps nearby that were solved before, where
-            the robot has a table of some (`llsrbm robot learn`).
+        near: a plan of a nearby request to the same robot and model to start drafts from, for
+            speed; one that had no draft is left.
+        guesses: begin from jumps nearby that were solved before, where the robot has a table of
+            some (`llsrbm robot learn`).
         patient: look for the nearest jump that can be planned where the request cannot at once,
             now and then the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
@@ -80,7 +84,13 @@ def plan(
     jump = of_its_type(jump)
     # A request out of range builds no solver.
     robot = load_robot(jump.robot)
-    make_task(jump, with_payload(robot, jump.payload), weights, limits)
+    task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
+    if guesses and not draft and solver == solver_names()[0]:
+        counts = layout_of(jump, robot, intervals).intervals
+        drives = with_strength(robot)
+        begun = planned(task, drives, counts, cancelled=cancelled, progress=progress)
+        if begun is not None and (whole := _checked(begun, cancelled, progress)).certified:
+            return whole
     bare = replace(jump, payload=())  # of the first stage, whose solvers have the robot's own mass
     planner, build_time = _timed_planner(bare, solver, intervals, cancelled)
     try:
@@ -88,7 +98,7 @@ def plan(
             bare,
             weights=weights,
             limits=limits,
-            near=near and _alone(near, robot),
+            near=_alone(near, robot) if near is not None and _has_draft(near) else None,
             patient=patient,
             explains=explains,
             hurried=hurried,
@@ -112,6 +122,10 @@ def plan(
 def _carrying(plan: Plan, jump: Jump) -> Plan:
     """A plan of the robot alone as the draft of one with the jump's payload."""
     return replace(plan, jump=replace(plan.jump, payload=jump.payload))
+
+
+def _has_draft(near: Plan) -> bool:
+    return near.report.attempts > 0
 
 
 def _alone(near: Plan, robot: Robot) -> Plan:
@@ -139,11 +153,18 @@ def whole_body_plan(
         Cancelled: `cancelled` was true.
     """
     found = refined(draft, learned=guesses, cancelled=cancelled, progress=progress)
-    if not found.refined:
-        return found
+    return _checked(found, cancelled, progress) if found.refined else found
+
+
+def _checked(
+    plan: Plan,
+    cancelled: Callable[[], bool] | None,
+    progress: Callable[[PlanningProgress], None] | None,
+) -> Plan:
+    """A plan with its certificate."""
     if progress is not None:
         progress(PlanningProgress("checking the motion at 1 kHz"))
-    return interruptible(partial(certified, found), cancelled)
+    return interruptible(partial(certified, plan), cancelled)
 
 
 def _timed_planner(

@@ -51,6 +51,13 @@ def turns_about_z(angle: ArrayLike) -> Array:
     return rotation
 
 
+def quaternions_about_z(angle: ArrayLike) -> Array:
+    """Unit quaternions w, x, y, z (..., 4) of angles (...) rad about z."""
+    half = np.asarray(angle) / 2
+    zero = np.zeros_like(half)
+    return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+
+
 def rotation_matrices(quat: ArrayLike) -> Array:
     """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
     q = np.asarray(quat, dtype=float)

@@ -110,6 +110,8 @@ def _model_rows(plan: Plan) -> list[TitledValue]:
 
 def _solver(plan: Plan) -> str:
     report = plan.report
+    if not report.attempts:
+        return f"no draft: begun from {report.guess}"
     how = f"{counted(report.iterations, 'iteration')} {report.guess}".rstrip()
     guesses = f" ({report.attempts} guesses)" if report.attempts > 1 else ""
     compiling = ", still being compiled: twice as fast once it is" if report.compiling else ""
@@ -163,7 +165,7 @@ def outcome_words(trajectory: Trajectory) -> str:
     """The result in one line, the most important thing first."""
     if isinstance(trajectory, Plan):
         if trajectory.solved:
-            return f"Planned in {_ms(trajectory.report.solve_time_s)}"
+            return f"Planned in {_ms(trajectory.solve_time_s)}"
         return "Not a feasible plan: the solver did not converge"
     outcome = trajectory.outcome
     if not trajectory.landed:

@@ -224,6 +224,12 @@ class Plan(OfRobot):
         return self.report.status == "solved"
 
     @property
+    def solve_time_s(self) -> float:
+        """In solvers, of draft and whole body, s."""
+        second = 0.0 if self.refinement is None else self.refinement.solve_time_s
+        return self.report.solve_time_s + second
+
+    @property
     def is_nearest(self) -> bool:
         """True if it was planned in place of another request, which is not feasible."""
         return self.report.guess == NEAREST

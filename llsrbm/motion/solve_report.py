@@ -31,7 +31,8 @@ class SolveReport:
         status: "solved" or "not-converged"; solver: "fatrop" or "ipopt".
         iterations, guess: interior-point iterations of the attempt that is returned, and the origin
             of its initial guess, in words.
-        attempts: initial guesses tried, 1 when the analytic one was enough.
+        attempts: initial guesses tried, 1 when the analytic one was enough; 0 of whole-body plans
+            that began without a draft.
         solve_time_s: inside the solver, all attempts; total_time_s: from request to `Plan`, solver
             already built; build_time_s: to build or load the solver, 0 when it was at hand.
         cost: value of the objective.

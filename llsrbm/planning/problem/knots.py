@@ -14,6 +14,7 @@ from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.body.rolling import rolled
+from llsrbm.mechanics import quaternions_about_z
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.parameters import (
@@ -209,9 +210,7 @@ class Knots:
     @cached_property
     def foot_quat(self) -> Array:
         """(N+1, L, 4) w, x, y, z: of level feet with their headings."""
-        half = self.foot_heading / 2
-        zero = np.zeros_like(half)
-        return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+        return quaternions_about_z(self.foot_heading)
 
     @cached_property
     def postures(self) -> Postures:

@@ -8,6 +8,7 @@ half has in the middle of each of its intervals exactly these.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.motion.plan import Plan
+from llsrbm.request.schedule import Schedule
 
 Array = NDArray[np.float64]
 
@@ -54,8 +56,16 @@ class Grid:
     def of(cls, plan: Plan) -> Grid:
         """The grid that a draft is refined on, or that a refined plan is of."""
         counts = np.bincount(plan.phase[:-1], minlength=len(plan.schedule))
-        stands = [tuple(np.flatnonzero(legs).tolist()) for legs in plan.schedule.stands]
-        finer = 1.0 if plan.refined else FINER_IN_FLIGHT
+        return cls._with(plan.schedule, counts, 1.0 if plan.refined else FINER_IN_FLIGHT)
+
+    @classmethod
+    def at(cls, schedule: Schedule, counts: Sequence[int]) -> Grid:
+        """The grid that a draft of a schedule with so many intervals a phase is refined on."""
+        return cls._with(schedule, np.array(counts), FINER_IN_FLIGHT)
+
+    @classmethod
+    def _with(cls, schedule: Schedule, counts: NDArray[np.int64], finer: float) -> Grid:
+        stands = [tuple(np.flatnonzero(legs).tolist()) for legs in schedule.stands]
         shares = [1.0 if legs else finer for legs in stands]
         intervals = [
             max(FEWEST, math.ceil(share * count / 2))

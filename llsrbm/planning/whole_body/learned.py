@@ -31,10 +31,10 @@ from numpy.typing import NDArray
 from llsrbm.cache import cache_path
 from llsrbm.files.npz import write_archive
 from llsrbm.installed import assets_directory
-from llsrbm.motion.plan import Plan
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
@@ -99,6 +99,11 @@ class Learned:
             for number, request in enumerate(self.requests.tolist())
         ]
 
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Numbers of variables and of rows."""
+        return self.variables.shape[1], self.multipliers.shape[1]
+
     def guess(self, jump: Jump) -> Iterate:
         """Where a jump begins; see above."""
         near, share = self._shares(np.array([getattr(jump, name) for name in COMPONENTS]))
@@ -117,23 +122,20 @@ class Learned:
         return near, share
 
 
-def begun(plan: Plan, robot: Robot, grid: Grid, sizes: tuple[int, int]) -> Iterate | None:
-    """Where the whole-body problem of a draft begins by the robot's table; None: from the draft.
-
-    `sizes`: of the problem's variables and rows.
-    """
-    plain = Jump(robot=plan.jump.robot)
+def fits(jump: Jump, tuning: Tuning) -> bool:
+    """Whether a robot's table may have jumps like this one."""
+    plain = Jump(robot=jump.robot)
     same = all(
-        getattr(plan.jump, name) == getattr(plain, name)
+        getattr(jump, name) == getattr(plain, name)
         for name in plain.as_dict()
         if name not in COMPONENTS
     )
-    if not same or plan.tuning.weights or plan.tuning.limits:
-        return None
-    table = _table(robot, grid)
-    if table is None or (table.variables.shape[1], table.multipliers.shape[1]) != sizes:
-        return None
-    return table.guess(plan.jump)
+    return same and not tuning.weights and not tuning.limits
+
+
+def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned | None:
+    """The table that may have jumps like this one, read when it is first wanted."""
+    return _table(robot, grid) if fits(jump, tuning) else None
 
 
 def _table(robot: Robot, grid: Grid) -> Learned | None:

@@ -5,26 +5,32 @@ from __future__ import annotations
 import hashlib
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from llsrbm.mechanics import quaternions_about_z
 from llsrbm.motion.plan import Plan, Refinement
 from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver
+from llsrbm.planning.problem.placement import task_of
+from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.learned import begun
+from llsrbm.planning.whole_body.learned import table_for
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
-from llsrbm.planning.whole_body.result import plan_of
+from llsrbm.planning.whole_body.result import Feet, plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
-from llsrbm.planning.whole_body.start import Start, start_of
+from llsrbm.planning.whole_body.start import Start, footholds, start_of
+from llsrbm.planning.whole_body.unplanned import unplanned
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
@@ -62,22 +68,51 @@ class Refiner:
         called, watch = time.perf_counter(), Watch(cancelled, progress)
         watch.wait()
         watch.begin("refining: the whole body's dynamics")
-        rounds = Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)
-        first = start_of(plan, self.robot, self.grid)
-        nearby = begun(plan, self.robot, self.grid, self.solver.sizes) if learned else None
+        rounds = self._rounds(plan, watch)
+        nearby = self._nearby(plan.jump, plan.tuning) if learned else None
         if nearby is not None:
-            rounds.follow(self._beside(nearby, plan, first), nearby)
+            rounds.follow(self._beside(nearby, plan), nearby)
         if not rounds.solved:
-            rounds.solve(first)
+            rounds.solve(start_of(plan, self.robot, self.grid))
+        if not rounds.solved:
+            _log.info("the whole-body problem did not converge: %s", rounds.solutions[-1].message)
+        return self._ended(rounds, plan, called)
+
+    def learned(self, task: Task, watch: Watch) -> Plan | None:
+        """The whole body's plan, begun from jumps nearby that were solved before, without a draft.
+
+        None: there are none, or it is not found from there.
+
+        Raises:
+            Cancelled: `cancelled` was true.
+        """
+        called = time.perf_counter()
+        nearby = self._nearby(task.jump, task.tuning)
+        if nearby is None:
+            return None
+        plan = unplanned(task, self.robot, self.solver.name)
+        watch.begin("the whole body's dynamics, from jumps nearby")
+        rounds = self._rounds(plan, watch)
+        rounds.follow(self._beside(nearby, plan), nearby)
+        return self._ended(rounds, plan, called) if rounds.solved else None
+
+    def _rounds(self, plan: Plan, watch: Watch) -> Rounds:
+        return Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)
+
+    def _nearby(self, jump: Jump, tuning: Tuning) -> Iterate | None:
+        table = table_for(jump, tuning, self.robot, self.grid)
+        return None if table is None or table.sizes != self.solver.sizes else table.guess(jump)
+
+    def _ended(self, rounds: Rounds, plan: Plan, called: float) -> Plan:
+        """The whole body's plan, or the one that it was begun from, with a report on both."""
         result, last = plan, rounds.solutions[-1]
         if rounds.solved:
             assert rounds.motion is not None
             assert rounds.start is not None
             self.last, self.solution = rounds.motion, rounds.solution
-            whole = plan_of(rounds.motion, rounds.start, plan, self.robot, self.grid)
+            feet = Feet(rounds.start.place, rounds.start.foot_quat)
+            whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
             result = replace(whole, violations=rounds.found)
-        else:
-            _log.info("the whole-body problem did not converge: %s", last.message)
         report = Refinement(
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),
@@ -89,12 +124,13 @@ class Refiner:
         )
         return replace(result, refinement=report)
 
-    def _beside(self, nearby: Iterate, plan: Plan, first: Start) -> Start:
-        """A start whose motion is that of variables nearby; `first`: the draft's."""
-        sizes = Sizes.of(self.robot, len(self.grid.phases))
-        motion = Motion.of(nearby.variables, self.grid, sizes)
-        there = first.timed(motion.durations, self.grid)
-        return start_of(plan_of(motion, there, plan, self.robot, self.grid), self.robot, self.grid)
+    def _beside(self, nearby: Iterate, plan: Plan) -> Start:
+        """A start whose motion is that of variables nearby; of the plan only its request counts."""
+        robot, grid = self.robot, self.grid
+        motion = Motion.of(nearby.variables, grid, Sizes.of(robot, len(grid.phases)))
+        place, heading = footholds(task_of(plan, robot), grid)
+        feet = Feet(place, quaternions_about_z(heading))
+        return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid)
 
 
 def refined(
@@ -120,6 +156,33 @@ def refined(
     result = refiner.refine(plan, learned=learned, cancelled=cancelled, progress=progress)
     assert result.refinement is not None
     return replace(result, refinement=replace(result.refinement, build_time_s=built))
+
+
+def planned(
+    task: Task,
+    robot: Robot,
+    counts: Sequence[int],
+    *,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Progress | None = None,
+) -> Plan | None:
+    """`Refiner.learned` of a task, by a solver that is built once a process.
+
+    No solver is built for robots without a table. `robot`: the task's, with its drives; `counts`:
+    the intervals of each phase of a draft.
+    """
+    grid, watch = Grid.at(task.schedule, counts), Watch(cancelled, progress)
+    if table_for(task.jump, task.tuning, robot, grid) is None:
+        return None
+    watch.wait()
+    start = time.perf_counter()
+    refiner = watch.built(partial(Refiner, robot, grid))
+    built = time.perf_counter() - start
+    found = refiner.learned(task, watch)
+    if found is None:
+        return None
+    assert found.refinement is not None
+    return replace(found, refinement=replace(found.refinement, build_time_s=built))
 
 
 def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:

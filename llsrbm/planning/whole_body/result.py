@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -12,12 +13,11 @@ from llsrbm.body.efforts import efforts
 from llsrbm.body.joint_loads import standing_torque
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.momentum import centroidal_states
-from llsrbm.mechanics import apply, interpolated, quaternions, rotation_matrices, sign_continuous
+from llsrbm.mechanics import apply, quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.sizes import NODES
-from llsrbm.planning.whole_body.start import Start
 from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -25,13 +25,20 @@ from llsrbm.robots.robot import Robot
 Array = NDArray[np.float64]
 
 
-def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) -> Plan:
-    """A centroidal plan with the whole body's motion in its place; `start`: at its times.
+class Feet(NamedTuple):
+    """Where feet stand, at the knots of a grid and in the middles between them."""
+
+    place: Array  # (2 N + 1, L, 3) m
+    quat: Array  # (2 N + 1, L, 4)
+
+
+def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) -> Plan:
+    """A plan with the whole body's motion in place of its own, if it has one.
 
     Its knots are those of the grid and the middles between them: the middles of the plan's
     intervals are the nodes, where its forces and torques are exact.
     """
-    time = start.time
+    time = grid.times(np.concatenate([[0.0], np.cumsum(motion.durations)]))
     at = motion.at(time)
     quat = sign_continuous(at.q[:, [6, 3, 4, 5]])
     R = rotation_matrices(quat)
@@ -40,13 +47,13 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
     # Standing feet drift by less than the rows' tolerance from where they are planned to stand.
     rests = _resting(plan.schedule.stands[phase])
-    stands = start.place.copy()
+    stands = feet.place.copy()
     # Frames of point feet are higher or lower than they stand as shanks lean.
     stands[..., 2] += (foot_position[..., 2] - lowest) * (len(robot.corners) == 1)
     foot_position = np.where(rests[..., None], stands, foot_position)
-    foot_quat = np.where(rests[..., None], start.foot_quat, _of_soles(robot, foot_rotation))
+    foot_quat = np.where(rests[..., None], feet.quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T
-    touches = np.where(rests[..., None], start.place, foot_position)
+    touches = np.where(rests[..., None], feet.place, foot_position)
     contact_point = touches[:, :, None] + np.swapaxes(corners, -1, -2)
 
     node_count = grid.intervals * len(NODES)
@@ -54,14 +61,15 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
     nodes = motion.within(interval, np.tile(NODES, grid.intervals))
     torque = efforts(robot, nodes.q, nodes.v, nodes.a, nodes.force)[:, 6:]
     limit = torque_in_direction(robot, nodes.v[:, 6:], torque)
-    standing = standing_torque(robot, KnotMotion.of_plan(plan), joints[-1])
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
     foot_base = robot.chains.motion(q_legs).foot
-    same = np.interp(plan.time, plan.phase_start, start.phase_start)
-    in_hip = interpolated(time, same, plan.foot_in_hip)
-    in_hip[..., :3] = robot.mirrors * (foot_base - robot.hips)
-    return replace(
+    in_hip = robot.mirrors * (foot_base - robot.hips)
+    if robot.foot_coordinates > 3:
+        across = np.swapaxes(R, -1, -2)[:, None] @ foot_rotation[..., 1:2]
+        turned = np.arctan2(-across[..., 0, 0], across[..., 1, 0])
+        in_hip = np.dstack([in_hip, robot.mirrors[:, 0] * robot.mirrors[:, 1] * turned])
+    found = replace(
         plan,
         robot_parameters=robot.parameters(),
         base_mass=plan.base_mass + robot.mass - float(plan.robot_parameters["mass"]),
@@ -83,10 +91,11 @@ def plan_of(motion: Motion, start: Start, plan: Plan, robot: Robot, grid: Grid) 
         joint_position=joints,
         joint_velocity=at.v[:, 6:],
         joint_names=robot.joint_names,
-        joint_torque=np.vstack([torque[:node_count], standing]),
         joint_torque_limit=np.vstack([limit, robot.torque_limit]),
         foot_in_hip=in_hip,
     )
+    standing = standing_torque(robot, KnotMotion.of_plan(found), joints[-1])
+    return replace(found, joint_torque=np.vstack([torque[:node_count], standing]))
 
 
 def _by_pinocchio(

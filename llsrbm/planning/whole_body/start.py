@@ -186,17 +186,25 @@ def _states(plan: Plan, robot: Robot, time: Array) -> dict[str, Array]:
     }
 
 
+def footholds(task: Task, grid: Grid) -> tuple[Array, Array]:
+    """(2 N + 1, L, 3) m, where feet stand, and (2 N + 1, L) rad, their headings; NaN in the air."""
+    halves, legs = 2 * grid.intervals + 1, len(task.places[0].feet)
+    place, heading = np.full((halves, legs, 3), np.nan), np.full((halves, legs), np.nan)
+    for half in range(halves):
+        knot, phase = grid.knots[half // 2], grid.phase_at(half)
+        # A foot that leaves there stood in the phase before.
+        there = task.footholds_before(phase)
+        resting = list(knot.standing if half % 2 else knot.resting)
+        place[half, resting], heading[half, resting] = there.feet[resting], there.yaw[resting]
+    return place, heading
+
+
 def _places(plan: Plan, task: Task, grid: Grid) -> Array:
     """(2 N + 1, L, 3) m: feet on the way, and where they stand their footholds."""
     known = plan.foot_position.reshape(len(plan.time), -1)
-    place = interpolated(grid.times(plan.phase_start), plan.time, known)
-    place = place.reshape(len(place), -1, 3)
-    for half in range(len(place)):
-        knot, phase = grid.knots[half // 2], grid.phase_at(half)
-        for leg in knot.standing if half % 2 else knot.resting:
-            # A foot that leaves there stood in the phase before.
-            place[half, leg] = task.footholds_before(phase).feet[leg]
-    return place
+    way = interpolated(grid.times(plan.phase_start), plan.time, known)
+    stands, _ = footholds(task, grid)
+    return np.where(np.isnan(stands), way.reshape(stands.shape), stands)
 
 
 def _turning(time: Array, known: Array, quat: Array) -> Array:
