@@ -7,11 +7,14 @@ import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm import api
+from llsrbm.certificate import certified
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.whole_body import learned
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved
-from llsrbm.planning.whole_body.refine import refined
+from llsrbm.planning.whole_body.refine import planned, refined
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
@@ -94,16 +97,58 @@ def test_jumps_from_a_table_are_those_from_drafts_in_fewer_iterations():
     assert llsrbm.certify(nearby).holds
 
 
-def test_what_no_table_is_of_begins_from_its_draft(table, monkeypatch):
+def test_a_table_is_of_the_default_model_type_and_limits(table, monkeypatch):
     monkeypatch.setattr(learned, "_table", lambda robot, grid: table)
-    robot, plain = load_robot(ROBOT), llsrbm.plan(Jump(robot=ROBOT, twist=0.3), draft=True)
+    robot, plain = load_robot(ROBOT), Jump(robot=ROBOT, twist=0.3)
 
-    def begun(**changes):
-        draft = replace(plain, **changes)
-        return learned.begun(draft, robot, Grid.of(draft), (7, 3))
+    def found(jump=plain, **tuning):
+        return learned.table_for(jump, Tuning(**tuning), robot, GRID)
 
-    assert begun() is not None
+    assert found() is table
     for other in ({"model": "srbm"}, {"type": "one-foot-first"}, {"payload": (1.0, 0, 0, 0)}):
-        assert begun(jump=replace(plain.jump, **other)) is None
-    assert begun(tuning=Tuning(limits={"torque_share": 0.8})) is None
-    assert learned.begun(plain, robot, Grid.of(plain), (7, 4)) is None
+        assert found(replace(plain, **other)) is None
+    assert found(limits={"torque_share": 0.8}) is None
+    assert found(weights={"angular_momentum": 2.0}) is None
+
+
+def test_one_of_another_problem_is_not_begun_from(table, monkeypatch):
+    monkeypatch.setattr(learned, "_table", lambda robot, grid: table)
+    robot = load_robot(ROBOT)
+    task = make_task(Jump(robot=ROBOT, twist=0.3), robot)
+    assert planned(task, robot, (16, 16, 16)) is None
+
+
+@pytest.mark.parametrize("name", ["go2", "slider"])
+def test_without_a_draft_it_is_the_plan_that_it_is_with_one(name):
+    jump = Jump(robot=name, twist=0.4, forward=0.1)
+    robot, draft = load_robot(name), llsrbm.plan(jump, draft=True)
+    with_one, without = refined(draft), planned(make_task(jump, robot), robot, (16, 16, 16))
+    for quantity in ("time", "base_position", "base_quat", "joint_torque", "foot_in_hip", "com"):
+        np.testing.assert_allclose(getattr(without, quantity), getattr(with_one, quantity))
+    assert without.limits == draft.limits
+    assert without.base_mass == pytest.approx(draft.base_mass)
+    np.testing.assert_allclose(without.leg_mass, draft.leg_mass)
+    # At the ends both stand as the request says, but for the base, which has a little room.
+    np.testing.assert_allclose(without.foot_in_hip[-1], draft.foot_in_hip[-1], atol=0.02)
+
+
+def test_no_draft_is_made_where_the_table_leads_to_a_plan_that_holds(monkeypatch):
+    monkeypatch.setattr(api, "planner_of", lambda *_, **__: pytest.fail("a draft was begun"))
+    plan = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+    assert plan.certified
+    assert (plan.report.attempts, plan.report.iterations) == (0, 0)
+
+
+def test_a_draft_is_made_where_the_certificate_does_not_hold(monkeypatch):
+    held = iter([False])
+    monkeypatch.setattr(api, "certified", lambda p: p if not next(held, True) else certified(p))
+    plan = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+    assert plan.certified
+    assert plan.report.attempts > 0
+
+
+def test_what_had_no_draft_starts_no_draft():
+    near = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+    draft = llsrbm.plan(Jump(robot=ROBOT, twist=0.42, forward=0.1), near=near, draft=True)
+    assert draft.solved
+    assert draft.report.guess == "from the analytic guess"
