@@ -6,7 +6,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.mechanics import cross
 from llsrbm.robots.drives.torques import friction_torque
+from llsrbm.robots.placements import placements, pushes
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -31,16 +33,29 @@ def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
         q, v, a: (K, nq), (K, nv), (K, nv) of the whole robot, Pinocchio's convention.
         force: (K, C, 3) N at the contact points of the feet, world axes.
     """
-    model, data = robot.model, robot.model.createData()
-    found = inverse_dynamics(model, q, v, a)
+    placed = placements(robot.model, q)
+    turn, origin = placed
+    points = np.empty((len(q), len(robot.legs), len(robot.corners), 3))
+    for i, leg in enumerate(robot.legs):
+        frame = robot.model.frames[leg.foot_frame_id]
+        R, at = turn[:, frame.parentJoint], origin[:, frame.parentJoint]
+        corners = frame.placement.translation + robot.corners @ frame.placement.rotation.T
+        points[:, i] = at[:, None] + corners @ np.swapaxes(R, -1, -2)
+    points[..., 2] -= robot.foot_lift
+    found = inverse_dynamics(robot.model, q, v, a)
     found[:, 6:] += friction_torque(robot, v[:, 6:])
-    pushes = force.reshape(len(q), len(robot.legs), -1, 3)
-    for k in range(len(q)):
-        pin.computeJointJacobians(model, data, q[k])
-        pin.updateFramePlacements(model, data)
-        for leg, push in zip(robot.legs, pushes[k], strict=True):
-            frame, axes = leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED
-            jacobian = pin.getFrameJacobian(model, data, frame, axes)
-            arms = robot.corners @ data.oMf[frame].rotation.T - [0.0, 0.0, robot.foot_lift]
-            found[k] -= jacobian.T @ np.append(push.sum(axis=0), np.cross(arms, push).sum(axis=0))
-    return found
+    return found - of_contacts(robot, placed, points, force.reshape(points.shape))
+
+
+def of_contacts(robot: Robot, placed: tuple[Array, Array], points: Array, forces: Array) -> Array:
+    """(K, nv) N, Nm: J^T f of forces (K, L, c, 3) N at points of the feet (K, L, c, 3) m, world.
+
+    `placed`: of `placements`.
+    """
+    total, moment = forces.sum(axis=2), cross(points, forces).sum(axis=2)
+    parents = [robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs]
+    each = [
+        pushes(robot.model, placed, joint, total[:, leg], moment[:, leg])
+        for leg, joint in enumerate(parents)
+    ]
+    return np.sum(each, axis=0, dtype=np.float64)

@@ -6,13 +6,14 @@ from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
+from llsrbm.mechanics import cross
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.placements import velocities
 
 Array = NDArray[np.float64]
 
@@ -101,25 +102,22 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
     """(K, L, c, 3) m: balls, point feet's where their frames are seen from above; m/s: of points by
     which balls touch.
     """
-    model, data = motion.model, motion.model.createData()
+    turn, origin = motion.placed
+    linear, angular = velocities(motion.model, motion.placed, motion.v)
     contacts, is_point = foot_contacts(motion.robot), motion.robot.file.foot.is_point
     places = np.empty((len(motion.time), len(contacts), *contacts[0].centres.shape))
-    arms = np.empty_like(places)
-    linear, angular = np.empty((2, *places.shape[:2], 1, 3))
-    world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-    for k, (q, v) in enumerate(zip(motion.q, motion.v, strict=True)):
-        pin.forwardKinematics(model, data, q, v)
-        pin.updateFramePlacements(model, data)
-        for i, (leg, contact) in enumerate(zip(motion.robot.legs, contacts, strict=True)):
-            frame = data.oMf[leg.foot_frame_id]
-            centres = contact.centres @ frame.rotation.T + frame.translation
-            places[k, i] = centres
-            if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
-                places[k, i, :, :2] = frame.translation[:2]
-            twist = pin.getFrameVelocity(model, data, leg.foot_frame_id, world)
-            arms[k, i] = centres - frame.translation - [0.0, 0.0, contact.radius]
-            linear[k, i], angular[k, i] = twist.linear, twist.angular
-    return places, linear + np.cross(angular, arms)
+    speeds = np.empty_like(places)
+    for i, (leg, contact) in enumerate(zip(motion.robot.legs, contacts, strict=True)):
+        frame = motion.model.frames[leg.foot_frame_id]
+        joint, placed = frame.parentJoint, frame.placement
+        R, at = turn[:, joint], origin[:, joint, None]
+        centres = placed.translation + contact.centres @ placed.rotation.T
+        places[:, i] = at + centres @ np.swapaxes(R, -1, -2)
+        arms = places[:, i] - at - [0.0, 0.0, contact.radius]
+        speeds[:, i] = linear[:, joint, None] + cross(angular[:, joint, None], arms)
+        if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
+            places[:, i, :, :2] = (at[:, 0] + R @ placed.translation)[:, None, :2]
+    return places, speeds
 
 
 def _stances(stands: NDArray[np.bool_]) -> list[tuple[int, int]]:

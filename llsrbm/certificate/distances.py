@@ -21,7 +21,6 @@ from llsrbm.motion.surroundings import Block, Surroundings, surroundings
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.link_shapes import LinkShapes
-from llsrbm.robots.placements import placements
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
@@ -117,7 +116,7 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, s
 def _placed(motion: SampledMotion, shapes: Sequence[Shape]) -> tuple[Array, Array]:
     """(K, S, 3, 3), (K, S, 3) m: turn and centre of each shape at each instant."""
     of = [shape.joint for shape in shapes]
-    turn, at = (each[:, of] for each in placements(motion.model, motion.q))
+    turn, at = (each[:, of] for each in motion.placed)
     centres = np.array([shape.centre for shape in shapes])
     rotation = turn @ np.array([shape.rotation for shape in shapes])
     return rotation, at + np.einsum("ksij,sj->ksi", turn, centres)

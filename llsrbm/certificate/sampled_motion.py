@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from llsrbm.body.efforts import inverse_dynamics, of_contacts
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
@@ -23,6 +24,7 @@ from llsrbm.motion.sampling import resample
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, pinocchio_states
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import friction_torque
+from llsrbm.robots.placements import placements
 
 Array = NDArray[np.float64]
 AnyMotion = Plan | Rollout | WholeBodyMotion
@@ -103,27 +105,18 @@ class SampledMotion:
     def effort(self) -> Array | None:
         """(K, nv) N, Nm: generalised forces beside those of the contacts; None: not known.
 
-        M(q) a + h(q, v) - J^T f by Pinocchio's recursive Newton-Euler algorithm: six rows of the
-        base, which has no drive, base axes, and the joints' torques.
+        M(q) a + h(q, v) - J^T f: six rows of the base, which has no drive, base axes, and the
+        joints' torques.
         """
         if self.points is None or self.forces is None:
             return None
-        model, data = self.model, self.model.createData()
-        parents = [model.frames[leg.foot_frame_id].parentJoint for leg in self.robot.legs]
-        total = self.forces.sum(axis=2)
-        moment = np.cross(self.points, self.forces).sum(axis=2)  # about the world's origin
-        effort = np.empty_like(self.v)
-        outer = pin.StdVec_Force()
-        outer.extend([pin.Force.Zero() for _ in range(model.njoints)])
-        for k in range(len(self.time)):
-            pin.forwardKinematics(model, data, self.q[k])
-            for joint in set(parents):
-                outer[joint] = pin.Force.Zero()
-            for leg, joint in enumerate(parents):
-                in_world = pin.Force(total[k, leg], moment[k, leg])
-                outer[joint] = outer[joint] + data.oMi[joint].actInv(in_world)
-            effort[k] = pin.rnea(model, data, self.q[k], self.v[k], self.a[k], outer)
-        return effort
+        contacts = of_contacts(self.robot, self.placed, self.points, self.forces)
+        return inverse_dynamics(self.model, self.q, self.v, self.a) - contacts
+
+    @cached_property
+    def placed(self) -> tuple[Array, Array]:
+        """Turns (K, joints, 3, 3) and origins (K, joints, 3) m of all joints, world."""
+        return placements(self.model, self.q)
 
     @cached_property
     def torque(self) -> Array | None:

@@ -1,4 +1,8 @@
-"""Where a robot's bodies are in many postures at once."""
+"""Where a robot's bodies are in many postures at once, how they move, and what pushes do to them.
+
+All for a free base and joints that turn about or slide along one axis; the first joint is the
+world. K postures q (K, nq), velocities v (K, nv) in Pinocchio's convention.
+"""
 
 from __future__ import annotations
 
@@ -7,14 +11,17 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.mechanics import apply, cross
+
 Array = NDArray[np.float64]
+
+_BASE = slice(0, 3), slice(3, 6)  # velocities of the free base: linear, angular
 
 
 def placements(model: pin.Model, q: Array) -> tuple[Array, Array]:
-    """Turns (T, joints, 3, 3) and origins (T, joints, 3) m of all joints, in the world.
+    """Turns (K, joints, 3, 3) and origins (K, joints, 3) m of all joints, in the world.
 
-    As `pin.forwardKinematics` in postures q (T, nq), of a free base and joints that turn about or
-    slide along one axis. The first joint is the world.
+    As `pin.forwardKinematics`.
     """
     turn = np.empty((len(q), model.njoints, 3, 3))
     origin = np.empty((len(q), model.njoints, 3))
@@ -23,8 +30,9 @@ def placements(model: pin.Model, q: Array) -> tuple[Array, Array]:
     origin[:, 1] = q[:, :3]
     for j in range(2, model.njoints):
         joint, placed, parent = model.joints[j], model.jointPlacements[j], model.parents[j]
-        value = q[:, joint.idx_q]
-        own, along = _motion(joint, value)
+        value = q[:, joint.idx_q][:, None]
+        shift, axis = _subspace(joint)
+        own, along = Rotation.from_rotvec(value * axis).as_matrix(), value * shift
         at = turn[:, parent] @ placed.rotation
         origin[:, j] = origin[:, parent] + turn[:, parent] @ placed.translation
         origin[:, j] += np.einsum("tij,tj->ti", at, along)
@@ -32,10 +40,48 @@ def placements(model: pin.Model, q: Array) -> tuple[Array, Array]:
     return turn, origin
 
 
-def _motion(joint: pin.JointModel, value: Array) -> tuple[Array, Array]:
-    """Turns (T, 3, 3) and shifts (T, 3) m of a joint at its positions (T,)."""
+def velocities(model: pin.Model, placed: tuple[Array, Array], v: Array) -> tuple[Array, Array]:
+    """Linear velocities of the joints' origins (K, joints, 3) m/s, and angular ones, rad/s; world.
+
+    `placed`: of `placements`.
+    """
+    turn, origin = placed
+    linear, angular = np.zeros_like(origin), np.zeros_like(origin)
+    linear[:, 1], angular[:, 1] = (apply(turn[:, 1], v[:, part]) for part in _BASE)
+    for j in range(2, model.njoints):
+        joint, parent = model.joints[j], model.parents[j]
+        rate = v[:, joint.idx_v][:, None]
+        shift, axis = _subspace(joint)
+        carried = cross(angular[:, parent], origin[:, j] - origin[:, parent])
+        linear[:, j] = linear[:, parent] + carried + rate * (turn[:, j] @ shift)
+        angular[:, j] = angular[:, parent] + rate * (turn[:, j] @ axis)
+    return linear, angular
+
+
+def pushes(
+    model: pin.Model, placed: tuple[Array, Array], joint: int, force: Array, moment: Array
+) -> Array:
+    """J^T f, (K, nv) N, Nm, of a force (K, 3) N on a joint's body, the base in its own axes.
+
+    `moment`: (K, 3) Nm, its own about the world's origin.
+    """
+    turn, origin = placed
+    found = np.zeros((len(force), model.nv))
+    to_base = np.swapaxes(turn[:, 1], -1, -2)
+    about_base = moment - cross(origin[:, 1], force)
+    for part, pushed in zip(_BASE, (force, about_base), strict=True):
+        found[:, part] = apply(to_base, pushed)
+    for j in list(model.supports[joint])[2:]:
+        shift, axis = _subspace(model.joints[j])
+        about = moment - cross(origin[:, j], force)
+        along = (turn[:, j] @ shift) * force + (turn[:, j] @ axis) * about
+        found[:, model.joints[j].idx_v] = along.sum(axis=1)
+    return found
+
+
+def _subspace(joint: pin.JointModel) -> tuple[Array, Array]:
+    """Directions (3,) in which a joint shifts and turns its body, in its own axes."""
     data = joint.createData()
     joint.calc(data, np.zeros(joint.idx_q + 1), np.zeros(joint.idx_v + 1))
     subspace = np.asarray(data.S.matrix if hasattr(data.S, "matrix") else data.S).ravel()
-    shift, axis = subspace[:3], subspace[3:]
-    return Rotation.from_rotvec(value[:, None] * axis).as_matrix(), value[:, None] * shift
+    return subspace[:3], subspace[3:]

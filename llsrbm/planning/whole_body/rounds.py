@@ -107,9 +107,9 @@ class Rounds:
         lacks = efforts(self.robot, at.q, at.v, at.a, at.force)[:, :6] / self.sizes.weight
         force, moment = (np.linalg.norm(part, axis=1).max() for part in np.split(lacks, 2, axis=1))
         missed = max(force, moment / ARM)
-        distance, _ = LinkShapes.of(self.robot).nearest(at.q)
         # Links may pass through each other between the instants at which they are apart.
-        if distance.min() < 0 or missed >= self._missed:
+        passing = LinkShapes.of(self.robot).near_distances(at.q, within=0.0)
+        if (passing < 0).any() or missed >= self._missed:
             return False
         self.motion, self.start, self.solution = motion, start, self.solutions[-1]
         self.solved, self._missed = True, float(missed)
