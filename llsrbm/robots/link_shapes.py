@@ -92,34 +92,44 @@ class LinkShapes:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
         model, data = self.robot.model, self.robot.model.createData()
         least = np.empty(len(postures))
+        bounds = self.least_from(postures, shape, placement)
         for t, q in enumerate(postures):
             pin.forwardKinematics(model, data, q)
-            least[t] = self.nearest_to(shape, placement, data)[0].min_distance
+            least[t] = self.nearest_to(shape, placement, data, bounds[t])[0].min_distance
         return least
 
+    def least_from(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
+        """(T, S) m: what each link's shape is away at least from one in the world; feet are far."""
+        shape.computeLocalAABB()
+        low, high = shape.aabb_local.min_, shape.aabb_local.max_
+        at = (self._sphere_centres(postures) - placement.translation) @ placement.rotation
+        bounds: Array = np.linalg.norm(at - np.clip(at, low, high), axis=-1) - self.spheres[1]
+        bounds[:, [own.foot for own in self.shapes]] = np.inf
+        return bounds
+
     def nearest_to(
-        self, shape: coal.ShapeBase, placement: pin.SE3, data: pin.Data, within: float = np.inf
+        self,
+        shape: coal.ShapeBase,
+        placement: pin.SE3,
+        data: pin.Data,
+        bounds: Array,
+        within: float = np.inf,
     ) -> tuple[coal.DistanceResult, int]:
         """The link nearest to a shape in the world, feet aside; its joint's index second.
 
-        `data`: with the bodies placed. Those that cannot be `within` (m) are not measured; without
-        any the result's distance is the largest number there is.
+        `data`: with the bodies placed; `bounds`: (S,) m of `least_from`. Those that cannot be
+        `within` (m) are not measured; without any the result's distance is the largest number there
+        is.
         """
-        shape.computeLocalAABB()
-        low, high = shape.aabb_local.min_, shape.aabb_local.max_
         request, there = coal.DistanceRequest(), _transform(placement)
-        centres, radii = self.spheres
         nearest, joint = coal.DistanceResult(), 0
-        for k, (own, placed) in enumerate(zip(self.shapes, self._placed_in_joints, strict=True)):
-            if own.foot:
+        for k in np.flatnonzero(bounds <= within).tolist():
+            if bounds[k] > nearest.min_distance:
                 continue
-            body = data.oMi[own.joint]
-            at = placement.actInv(body.act(centres[k]))  # of a sphere around it
-            apart = float(np.linalg.norm(at - np.clip(at, low, high)))
-            if apart - radii[k] > min(within, nearest.min_distance):
-                continue
+            own, placed = self.shapes[k], self._placed_in_joints[k]
             found, link = coal.DistanceResult(), self.geometry.geometryObjects[k].geometry
-            coal.distance(link, _transform(body * placed), shape, there, request, found)
+            body = _transform(data.oMi[own.joint] * placed)
+            coal.distance(link, body, shape, there, request, found)
             if found.min_distance < nearest.min_distance:
                 nearest, joint = found, own.joint
         return nearest, joint
@@ -181,14 +191,18 @@ class LinkShapes:
 
     def _bounds(self, postures: Array) -> Array:
         """(T, K) m: what the distance of each of the geometry's pairs is at least."""
-        joints = [shape.joint for shape in self.shapes]
-        centre, radius = self.spheres
-        turn, origin = (each[:, joints] for each in placements(self.robot.model, postures))
-        centres = origin + np.einsum("tsij,sj->tsi", turn, centre)
+        centres, radius = self._sphere_centres(postures), self.spheres[1]
         one, other = np.reshape(np.array(self.shape_pairs, dtype=np.int64), (-1, 2)).T
         apart = np.linalg.norm(centres[:, one] - centres[:, other], axis=-1)
         bounds: Array = apart - radius[one] - radius[other]
         return bounds
+
+    def _sphere_centres(self, postures: Array) -> Array:
+        """(T, S, 3) m, in the world."""
+        joints = [shape.joint for shape in self.shapes]
+        turn, origin = (each[:, joints] for each in placements(self.robot.model, postures))
+        centres: Array = origin + np.einsum("tsij,sj->tsi", turn, self.spheres[0])
+        return centres
 
     @cached_property
     def spheres(self) -> tuple[Array, Array]:

@@ -130,17 +130,22 @@ class NearLinks:
 
 
 def away_from(
-    shapes: LinkShapes, data: pin.Data, shape: coal.ShapeBase, placement: pin.SE3, within: float
+    shapes: LinkShapes,
+    data: pin.Data,
+    shape: coal.ShapeBase,
+    placement: pin.SE3,
+    bounds: Array,
+    within: float,
 ) -> tuple[float, Array]:
     """The link nearest to a shape in the world, feet aside.
 
-    `data`: with the bodies placed, and the joints' Jacobians.
+    `data`: with the bodies placed, and the joints' Jacobians; `bounds`: (S,) m of `least_from`.
 
     Returns:
         its distance, m, negative inside, infinite if none is `within` (m); (nv,) its derivatives by
         Pinocchio's velocities.
     """
-    found, joint = shapes.nearest_to(shape, placement, data, within)
+    found, joint = shapes.nearest_to(shape, placement, data, bounds, within)
     if found.min_distance >= within:
         return np.inf, np.zeros(shapes.robot.model.nv)
     slope = -_along(shapes.robot.model, data, joint, found.getNearestPoint1(), found)

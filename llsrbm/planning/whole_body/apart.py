@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import coal
 import numpy as np
@@ -66,10 +67,11 @@ class Apart:
         slope = np.zeros((*at_zero.shape, robot.model.nv))
         links = NearLinks.of(robot)
         data = robot.model.createData()
+        boxes = [_Solid.of(block, links, q) for block in solids]
         for t in range(1, len(q)):  # the first knot is given
             pin.computeJointJacobians(robot.model, data, q[t])
-            here = [block for block in solids if block.from_s <= time[t] < block.until_s]
-            found = sorted(_found(links, data, q[t], here), key=_soon)
+            here = [box for box in boxes if box.block.from_s <= time[t] < box.block.until_s]
+            found = sorted(_found(links, data, q[t], here, t), key=_soon)
             turned = _turned(planned[t // 2], q[t, 3:7])
             state = np.concatenate([q[t, :3], turned, q[t, 7:]])
             rows = min(len(found), most)
@@ -88,16 +90,31 @@ class Apart:
         return bool((self.least >= 0).all())
 
 
+class _Solid(NamedTuple):
+    """A block, and how far the links are from it at least."""
+
+    block: Block
+    shape: coal.Box
+    placement: pin.SE3
+    bounds: Array  # (2 N + 1, S) m
+
+    @classmethod
+    def of(cls, block: Block, links: NearLinks, q: Array) -> _Solid:
+        shape = coal.Box(*block.size)
+        placement = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
+        return cls(block, shape, placement, links.shapes.least_from(q, shape, placement))
+
+
 def _found(
-    links: NearLinks, data: pin.Data, q: Array, solids: list[Block]
+    links: NearLinks, data: pin.Data, q: Array, solids: list[_Solid], t: int
 ) -> Iterator[tuple[float, Array]]:
-    """Distances of all that is near, m, beyond the least, and their (6 + J,) derivatives."""
+    """Distances of all that is near at a knot, m, beyond the least; their (6 + J,) derivatives."""
     for near in links.at(data, q, links.within(NEAR)):
         yield near.distance - LEAST, np.concatenate([np.zeros(6), near.slope])
     R_world_base = data.oMi[1].rotation
-    for block in solids:
-        place = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
-        distance, slope = away_from(links.shapes, data, coal.Box(*block.size), place, NEAR)
+    for solid in solids:
+        _, shape, placement, bounds = solid
+        distance, slope = away_from(links.shapes, data, shape, placement, bounds[t], NEAR)
         if distance < NEAR:
             yield distance, np.concatenate([R_world_base @ slope[:3], slope[3:]])
 

@@ -58,7 +58,8 @@ def test_how_a_robot_moves_away_from_a_box_is_what_differences_say(name):
     for _ in range(5):
         q = pin.integrate(model, robot.posture, rng.normal(scale=0.1, size=model.nv))
         pin.computeJointJacobians(model, data, q)
-        distance, slope = away_from(shapes, data, box, there, 1.0)
+        bounds = shapes.least_from(q[None], box, there)[0]
+        distance, slope = away_from(shapes, data, box, there, bounds, 1.0)
         step = rng.normal(size=model.nv)
         beside = np.array([pin.integrate(model, q, sign * 1e-5 * step) for sign in (-1, 0, 1)])
         back, here, ahead = shapes.clearance(beside, box, there)

@@ -149,7 +149,7 @@ def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
     for name in ("FROM_FAR", "LOOK"):
         monkeypatch.setattr(rounds, name, replace(rounds.FROM_FAR, iterations=2))
     monkeypatch.setattr(rounds, "ROUNDS", 1)
-    kept = refine.refined(first)
+    kept = refine.refined(first, learned=False)
     assert not kept.refined
     assert kept.refinement.status == "not-converged"
     np.testing.assert_array_equal(kept.joint_position, first.joint_position)
@@ -168,7 +168,7 @@ def test_where_a_solver_diverges_the_first_plan_stays(monkeypatch):
     near = Apart.near
     monkeypatch.setattr(refiner.solver, "solve", diverged)
     monkeypatch.setattr(Apart, "near", lambda *given: measured.append(given) or near(*given))
-    kept = refiner.refine(first)
+    kept = refiner.refine(first, learned=False)
     assert kept.refinement.status == "not-converged"
     np.testing.assert_array_equal(kept.joint_position, first.joint_position)
     assert len(measured) == 1  # about the plan
