@@ -49,7 +49,7 @@ def test_a_draft_is_the_first_stages_and_carries_no_certificate():
 def test_where_the_whole_bodys_plan_is_not_found_it_is_a_draft_that_says_so(monkeypatch):
     effort = Refinement("not-converged", 200, 2.0, 2.0, 0.0, 1.0)
     monkeypatch.setattr(api, "refined", lambda first, **_: replace(first, refinement=effort))
-    found = llsrbm.plan(JUMP)
+    found = llsrbm.plan(JUMP, guesses=False)
     assert found.solved
     assert not found.certified
     assert certificate_row(found) == "none that holds, a draft: the whole body's plan was not found"
@@ -65,7 +65,7 @@ def test_the_nearest_jumps_plan_is_likewise(monkeypatch, as_draft):
 
     monkeypatch.setattr(api, "_timed_planner", lambda *_: (Refusing(), 0.0))
     with pytest.raises(NotConverged, match="too far") as caught:
-        llsrbm.plan(JUMP, draft=as_draft)
+        llsrbm.plan(JUMP, draft=as_draft, guesses=False)
     assert caught.value.reason == "its knees"
     assert caught.value.nearest.certified is not as_draft
 
