@@ -136,6 +136,14 @@ class ExampleChosen:
 
 
 @dataclass(frozen=True, config=_FROM_PAGE)
+class ExportChosen:
+    """A format was chosen to be written, if there is one of that name."""
+
+    format: Name
+    kind: Literal["export"] = "export"
+
+
+@dataclass(frozen=True, config=_FROM_PAGE)
 class ComparisonClosed:
     """The comparison was closed, done or not."""
 
@@ -206,6 +214,7 @@ PageEvent = (
     | PinPressed
     | GalleryOpened
     | ExampleChosen
+    | ExportChosen
     | ComparisonClosed
     | CertificateAsked
     | BesideChosen

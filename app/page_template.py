@@ -30,6 +30,7 @@ SCRIPTS = (
     "parts.js",
     "handles.js",
     "gallery.js",
+    "exports.js",
     "tour.js",
     "panel.js",
     "tuning.js",
@@ -41,6 +42,7 @@ SCRIPTS = (
     "plots.js",
     "accessibility.js",
     "tips.js",
+    "numbers.js",
     "file_drop.js",
 )
 """In the order in which they need each other."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from html import escape
+from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory
@@ -19,10 +20,11 @@ from llsrbm.motion.trajectory import Trajectory
 if TYPE_CHECKING:
     from app.motion.clip import Clip
     from app.picture.picture import Picture
+    from llsrbm.mechanics import Array
 
 _SCRIPTS = (
     *("graphics.js", "elements.js", "layout.js", "page.js", "player.js", "timeline.js"),
-    *("transport.js", "camera.js", "replay.js"),
+    *("transport.js", "camera.js", "replay_charts.js", "embedding.js", "replay.js"),
 )
 """Of the page, in the order in which they need each other."""
 
@@ -59,6 +61,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
         "numbers": numbers,
         "timeline": replace(events, end=max(events.end, clip.end)).plain(),
         "layers": _layers(picture),
+        "charts": _charts(picture, clip.end),
         "description": description(trajectory),
     }
     head = (
@@ -150,6 +153,43 @@ def _layers(picture: Picture) -> list[dict[str, Any]]:
     return found
 
 
+def _charts(picture: Picture, end: float) -> dict[str, Any]:
+    """The charts of what the jump is about, for static/replay_charts.js."""
+    from app.motion import colours
+    from app.plots.charts import shown_layers
+    from app.plots.choice import of_replay
+    from app.plots.figure import figure
+
+    planned = picture.planned
+    assert planned is not None  # a replay has a plan
+    plan = planned.plan
+    drawn = figure(of_replay(plan.jump), shown_layers(planned, picture.rollout), end)
+    return {
+        "time": _rounded(drawn.grid.time),
+        "flights": [_rounded(plan.phase_start[[k, k + 1]]) for k in plan.schedule.flights],
+        "charts": [
+            {
+                "title": chart.heading,
+                "lines": [
+                    {
+                        "name": line.name,
+                        "colour": colours.css(line.colour),
+                        "dash": line.dash,
+                        "values": _rounded(line.values),
+                    }
+                    for line in chart.lines
+                ],
+            }
+            for chart in drawn.charts
+        ],
+    }
+
+
+def _rounded(values: Array) -> list[float | None]:
+    """Numbers as finely as a chart shows them; null where there is none."""
+    return [float(f"{value:.5g}") if isfinite(value) else None for value in values]
+
+
 def _json(value: Any) -> str:
     """JSON that may stand in an element of a page: nothing in it ends the element."""
     text = json.dumps(value, allow_nan=False, separators=(",", ":"))
@@ -159,6 +199,7 @@ def _json(value: Any) -> str:
 HTML = Format(
     name="html",
     title="one page that plays the motion in any browser, without a server or a network",
+    purpose=Purpose.LOOKING,
     suffix=".html",
     write=_write,
     conventions="""\
@@ -166,9 +207,11 @@ One page that plays the motion from disk: no server, no network, no installation
 
 The picture and the player are those of the designer's page: robot, contact forces, inertia
 ellipsoids, trails, ground and boxes; of a rollout also its plan as a ghost where the two are apart,
-pushes and the plans made in it. A timeline with phases and events; the same keys, camera views and
-loop; layers to show and hide. An arrow of 0.8 m is a force as large as the robot's weight; of a
-rollout, forces are means from frame to frame. World frame, x forward, y left, z up, m.
+pushes and the plans made in it. A timeline with phases and events; charts of plan and rollout; the
+same keys, camera views and loop; layers to show and hide. A page that has it in a frame can control
+it: play, pause, seek, load, and an event a frame (docs/embedding.md). An arrow of 0.8 m is a force
+as large as the robot's weight; of a rollout, forces are means from frame to frame. World frame, x
+forward, y left, z up, m.
 
 `fps`: frames a second, between which the browser mixes; `camera`: azimuth (0 looks from ahead, 90
 from the left), elevation [deg] and distance [m] from which it is looked at, as the page does if

@@ -31,7 +31,10 @@ class Act(Enum):
     NEAREST = Button("verdict", "Use nearest", "Replace the request by this feasible jump")
     SIMULATE = Button("main", "Simulate", "Simulate the whole robot following the plan in MuJoCo")
     CANCEL = Button("main", "Cancel", "Stop the computation")
-    EXPORT = Button("export", "Export", "Save the simulation, or the plan if there is none")
+    CHOOSE_EXPORT = Button(
+        "choose export", "Export…", "Choose a file by what it is for, and save the motion as that"
+    )
+    EXPORT = Button("export", "Export", "Save the motion as a file of the format beside")
     STOP_FILES = Button("stop", "Stop", "Stop reading or writing this file")
     UNDO = Button(
         "history", "Undo", "Go back to the design before the last change", Icon.ARROW_BACK_UP

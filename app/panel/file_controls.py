@@ -112,7 +112,7 @@ def _with_also(name: str, choice: FileChoice, on: bool) -> FileChoice:
 
 FORMAT: Field[FileChoice] = Field(
     "Format",
-    "The file to export; the tab Files describes it",
+    "The file that Export writes; Export… says what each is for",
     get=lambda choice: choice.title(choice.format),
     put=lambda choice, title: replace(choice, format=title.partition(" ")[0]),
     options=lambda choice, _: [choice.title(name) for name in FORMATS],
@@ -190,7 +190,10 @@ class FileControls:
         return self.fields.handle(FORMAT)
 
     def add_export(self) -> None:
-        """Add the format and the button that writes it, in the open container."""
+        """Add what shows all formats, the format and the button that writes it, in the open
+        container.
+        """
+        self.buttons |= add_buttons(self._gui, "choose export", self._put)
         self.fields.add(FORMAT)
         self.buttons |= add_buttons(self._gui, "export", self._put)
 

@@ -121,6 +121,7 @@ class Panel:
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
+            "choose": uuid_of(self.buttons[Act.CHOOSE_EXPORT]),
             "menus": [robot, kind, arms],
             "model": [uuid_of(self.jump.model), uuid_of(self.buttons[Act.COMPARE_MODELS])],
             "main": uuid_of(self.buttons[Act.SIMULATE]),

@@ -174,6 +174,17 @@ _CHARTS = {
 }
 
 
+_INERTIA = {"twist": "zz", "pitch": "yy", "roll": "xx"}  # about the axis of a turn
+
+
+def _about(jump: Jump) -> str:
+    if jump.turns:
+        return "pitch" if jump.pitch else "roll"
+    if abs(jump.twist) >= _FLAT:
+        return "twist"
+    return "lateral" if abs(jump.lateral) > abs(jump.forward) else "forward"
+
+
 def of_jump(choice: PlotChoice, jump: Jump) -> PlotChoice:
     """The overview of what this jump is about: of a flip the turn about its axis, of a jump
     without a twist where it goes; any other choice as it is.
@@ -181,13 +192,17 @@ def of_jump(choice: PlotChoice, jump: Jump) -> PlotChoice:
     preset = choice.preset
     if preset not in (OVERVIEW, FEW):
         return choice
-    about = "twist"
-    if jump.turns:
-        about = "pitch" if jump.pitch else "roll"
-    elif abs(jump.twist) < _FLAT:
-        about = "lateral" if abs(jump.lateral) > abs(jump.forward) else "forward"
-    charts = _CHARTS[preset, about]
+    charts = _CHARTS[preset, _about(jump)]
     return choice if charts == choice.charts else replace(choice, charts=charts)
+
+
+def of_replay(jump: Jump) -> PlotChoice:
+    """The overview of a jump; of a turn with the inertia about its axis in place of the height."""
+    overview, axis = of_jump(DEFAULT, jump), _INERTIA.get(_about(jump))
+    if axis is None:
+        return overview
+    inertia = ChartChoice("inertia", (axis,))
+    return replace(overview, charts=(*overview.charts[:2], inertia, *overview.charts[3:]))
 
 
 DEFAULT = PRESETS[OVERVIEW]

@@ -176,8 +176,8 @@
   // `examples`, `icons`: the first row; `menus`: robot, type and, while it is there, arms, in one row, each below
   // its label; `model`: its menu, and what compares models; `nearest`: lies on the verdict before it,
   // at the lower right; `main`: to be pressed;
-  // `cancel` beside it, while there is something to cancel; `format`, `save`: in one row.
-  function arrangement({ examples, icons, format, save, menus, model, nearest, main, cancel }) {
+  // `cancel` beside it, while there is something to cancel; `choose`, `format`, `save`: in one row.
+  function arrangement({ examples, icons, choose, format, save, menus, model, nearest, main, cancel }) {
     const [robot, type, arms] = menus, armed = `${MAIN}:has([id$="${arms}"])`;
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
     const flex = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > .mantine-Flex-root`;
@@ -190,8 +190,9 @@
       :is(${icons.map(button).join()}) svg { left: 0; }
       :is(${icons.map(button).join()}) .mantine-Button-label, ${field(format)} { position: absolute;
         width: 1px !important; height: 1px; padding: 0; clip-path: inset(50%); overflow: hidden; }
-      ${row(format)} { grid-column: span 10; }
-      ${row(save)} { grid-column: span 10; }
+      ${row(choose)} { grid-column: span 7; }
+      ${row(format)} { grid-column: span 8; }
+      ${row(save)} { grid-column: span 5; }
       ${menus.map(flex).join()} { flex-direction: column; align-items: stretch !important; }
       ${menus.map(field).join()} { width: auto !important; padding: 0; }
       ${row(robot)} { grid-column: 1 / span 10; }

@@ -53,7 +53,9 @@
     clearInterval(wait);
     player.load(facts.clip, facts.numbers, 0);
     window.llsrbm.transport.show(facts.timeline);
+    window.llsrbm.charts.show(facts.charts);
     player.setSpeed(0.5);
     player.play();
+    window.llsrbm.replay.ready();
   }, WAIT);
 })();

@@ -86,6 +86,7 @@
   addToPage(STYLE, tip);
 
   window.llsrbm.tips = {
+    show, // a note until the next key or press
     set(words) {
       hints = words;
       describe();

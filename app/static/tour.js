@@ -26,7 +26,7 @@
       text: "The whole robot follows the plan in MuJoCo; the plan stays beside it as a ghost.",
     },
     {
-      title: "Take it along", at: () => button("Export"),
+      title: "Take it along", at: () => button("Export…"),
       text: "Export the motion for your own tools, share the design as a link, or open a file " +
         "by dropping it on the page.",
     },

@@ -233,6 +233,17 @@ class ShowGallery(Effect):
 
 
 @dataclass(frozen=True)
+class ShowExports(Effect):
+    """Show the formats in which a motion can be written: purpose -> a table a format."""
+
+    motion: str  # its title
+    groups: dict[str, list[dict[str, str]]]
+
+    def do(self, outside: Outside) -> None:
+        outside.link.call("exports.open", self.motion, list(self.groups.items()))
+
+
+@dataclass(frozen=True)
 class Play(Effect):
     """Go on, from the start if at the end."""
 

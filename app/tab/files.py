@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from app.link import ExportChosen
 from app.motion.baked import bake_foreign
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
 from app.tab.acts import Step, on, reads, submit_beside
-from app.tab.effects import Download, Notify, Queue, Reported, Stop
+from app.tab.effects import Download, Notify, Queue, Reported, ShowExports, Stop
 from app.tab.planning.requests import plan_design, remember
 from app.tab.showing import show_given
 from app.tab.shown import Given
@@ -16,7 +17,9 @@ from app.tab.state import Pin, TabState, free_colour
 from app.workers import reports, tasks
 from app.workers.opened_file import OpenedFile, States
 from llsrbm.errors import Error
-from llsrbm.formats import FORMATS, availability
+from llsrbm.formats import FORMATS, availability, by_purpose
+from llsrbm.formats import file_name as export_name
+from llsrbm.look.titles import title
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
@@ -98,7 +101,7 @@ def _design_in(state: TabState, file: OpenedFile) -> Design | None:
 
 
 def _refused(state: TabState, message: str) -> Step:
-    return replace(state, note=f"Not opened: {message}"), (Notify("Not opened", message),)
+    return state, (Notify("Not opened", message),)
 
 
 def _show_motion(
@@ -154,17 +157,55 @@ def _busy(state: TabState) -> bool:
     return bool(state.files.saving_note or state.files.opening_note)
 
 
+def _has_motion(state: TabState) -> bool:
+    return state.shown is not None and not _busy(state)
+
+
 def _can_be_exported(state: TabState) -> bool:
     choice = state.file_choice
-    hindered = any(map(choice.hindrance, choice.formats))
-    return state.shown is not None and not _busy(state) and not hindered
+    return _has_motion(state) and not any(map(choice.hindrance, choice.formats))
+
+
+def _exported(state: TabState) -> Plan | Rollout | None:
+    """The motion that an export writes."""
+    return state.plan if state.rollout is None or state.export.of == PLAN else state.rollout
+
+
+@on(Act.CHOOSE_EXPORT, enabled=_has_motion)
+def show_exports(state: TabState) -> Step:
+    """Show the formats by what they are for."""
+    motion, choice = _exported(state), state.file_choice
+    if motion is None:
+        return state, ()
+    groups = {
+        purpose.value: [
+            {
+                "name": each.name,
+                "what": each.title,
+                "file": export_name(motion, [each.name]),
+                "hindrance": choice.hindrance(each.name),
+            }
+            for each in formats
+        ]
+        for purpose, formats in by_purpose().items()
+    }
+    kind = "plan" if isinstance(motion, Plan) else "simulation"
+    return state, (ShowExports(f"the {kind} of {title(motion)}", groups),)
+
+
+@on(ExportChosen)
+def export_as(state: TabState, event: ExportChosen) -> Step:
+    """Have the motion written in one format, as if it were chosen in the menu."""
+    if event.format not in FORMATS or not _has_motion(state):
+        return state, ()
+    choice = replace(state.export, format=event.format, also=())
+    return export(choose_formats(state, choice))
 
 
 @on(Act.EXPORT, enabled=_can_be_exported)
 def export(state: TabState) -> Step:
     """Have the motion that is shown written in the chosen formats."""
-    choice, rollout = state.export, state.rollout
-    motion = state.plan if rollout is None or choice.of == PLAN else rollout
+    choice, motion = state.export, _exported(state)
     if motion is None:
         return state, (Notify("Nothing to export", "There is no plan yet."),)
     for name in choice.formats:

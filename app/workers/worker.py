@@ -184,11 +184,9 @@ class LibraryPlanner:
 
 def exported(task: tasks.ExportMotion) -> tuple[str, bytes]:
     """Name and content of the one file that an export makes; raises as `llsrbm.export`."""
-    from llsrbm.formats import file_name, stem
+    from llsrbm.formats import file_name
 
-    name = (
-        f"{stem(task.trajectory)}.zip" if task.zipped else file_name(task.trajectory, task.formats)
-    )
+    name = file_name(task.trajectory, task.formats, zipped=task.zipped)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
         llsrbm.export(task.trajectory, path, format=task.formats, **task.options)

@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT))  # the declarations of this very checkout
 
 from llsrbm.errors import InputError  # noqa: E402
-from llsrbm.formats import FORMATS, Format  # noqa: E402
+from llsrbm.formats import FORMATS, Format, by_purpose  # noqa: E402
 from llsrbm.formats.table import quantity_rows  # noqa: E402
 from llsrbm.installed import assets_directory  # noqa: E402
 from llsrbm.planning.problem.placement import limits_of, make_task  # noqa: E402
@@ -69,12 +69,13 @@ def _with_pages(nav: Any, index: str, pages: list[str]) -> Any:
 
 def format_pages() -> list[Page]:
     """The list of formats, and a page for each."""
-    rows = [(f"[`{name}`]({name}.md)", each.title) for name, each in FORMATS.items()]
     index = [
         "# File formats",
         "Written by `llsrbm export`, `llsrbm.export` and the page; listed by `llsrbm formats`.",
-        table(("format", "what it is"), rows),
     ]
+    for purpose, formats in by_purpose().items():
+        rows = [(f"[`{each.name}`]({each.name}.md)", each.title) for each in formats]
+        index += [f"## {purpose.value}", table(("format", "what it is"), rows)]
     return [
         _page("formats/index.md", index),
         *(_page(f"formats/{name}.md", _format(each)) for name, each in FORMATS.items()),

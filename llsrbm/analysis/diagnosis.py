@@ -168,7 +168,10 @@ def diagnose(rollout: Rollout) -> tuple[Event, ...]:
 
 
 def fall_in_words(rollout: Rollout) -> str:
-    """When it fell, what went wrong first, and how it ended; "" for a robot that landed."""
+    """When it fell, what went wrong first, and how it ended; "" for a robot that landed.
+
+    The last push before that is named, whether it was the cause or not.
+    """
     outcome = rollout.outcome
     if rollout.landed:
         return ""
@@ -176,7 +179,20 @@ def fall_in_words(rollout: Rollout) -> str:
     events = diagnose(rollout)
     if not events:
         return f"{when}{outcome.reason}"
-    return f"{when}first {events[0].words} ({events[0].time:.2f} s), then {outcome.reason}"
+    first = events[0]
+    words = f"first {first.words} ({first.time:.2f} s){_push_before(rollout, first.time)}"
+    return f"{when}{words}, then {outcome.reason}"
+
+
+def _push_before(rollout: Rollout, time: float) -> str:
+    """The last push that began before an instant, s, and how long before; "" for none."""
+    before = [push for push in rollout.pushes if push.time <= time]
+    if not before:
+        return ""
+    push = max(before, key=lambda each: each.time)
+    impulse, moment = (float(np.linalg.norm(vector)) for vector in (push.impulse, push.moment))
+    size = f"{impulse:.3g} N s" if impulse else f"{moment:.3g} N m s"
+    return f", {time - push.time:.2f} s after the push of {size}"
 
 
 def _away_from_reference(record: Record) -> Iterator[Event]:

@@ -87,13 +87,13 @@ def replay_command(
 
     Prints the page's path. It stays where it is and may be passed on.
     """
-    from llsrbm.formats import export, remarks_of, stem
+    from llsrbm.formats import export, file_name, remarks_of
     from llsrbm.motion.trajectory import load
 
     trajectory = load(file)
     console.print_remarks(remarks_of(trajectory))
     if out is None:
-        out = Path(tempfile.mkdtemp(prefix="llsrbm-")) / f"{stem(trajectory)}.html"
+        out = Path(tempfile.mkdtemp(prefix="llsrbm-")) / file_name(trajectory, ["html"])
     export(trajectory, out, format="html")
     out = out.resolve()
     print(out)
@@ -110,7 +110,7 @@ def formats_command(
         typer.Option(metavar="R", help="Also name the formats that this robot has no files of."),
     ] = None,
 ) -> int:
-    """List the formats that `llsrbm export` writes, or the conventions of one.
+    """List the formats that `llsrbm export` writes by their purpose, or the conventions of one.
 
     A format that cannot be written here, or of the robot, has the reason behind it.
     """
@@ -119,7 +119,8 @@ def formats_command(
 
     loaded = None if robot is None else load_robot(robot)
     if format_ is None:
-        console.print_table({n: _title(each, loaded) for n, each in FORMATS.items()})
+        rows = {n: f"{each.purpose.value}: {_title(each, loaded)}" for n, each in FORMATS.items()}
+        console.print_table(rows)
     else:
         for line in _facts(find(format_), loaded):
             print(line)
@@ -137,6 +138,7 @@ def _facts(format_: Format, robot: Robot | None) -> list[str]:
         reads = "yes"
     lines += [
         "",
+        f"purpose       {format_.purpose.value}",
         f"name ends in  {format_.suffix or '(a folder)'}",
         "holds         plan, rollout",
         f"options       {', '.join(taken) or 'none'}",

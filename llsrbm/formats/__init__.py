@@ -20,7 +20,7 @@ from llsrbm.errors import FileFormatError, InputError
 from llsrbm.files.atomic import staged
 from llsrbm.files.npz import keys
 from llsrbm.formats import plausibility
-from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose
 from llsrbm.formats.logs import MCAP, RRD
 from llsrbm.formats.motion_npz import MOTION_NPZ
 from llsrbm.formats.mujoco.folder import MUJOCO
@@ -30,6 +30,7 @@ from llsrbm.formats.table import CSV
 from llsrbm.formats.trainers import GMR_PKL, MIMICKIT_PKL, MOTION_IMITATION_JSON
 from llsrbm.formats.unitree_csv import UNITREE_CSV
 from llsrbm.formats.wire import LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG
+from llsrbm.look.titles import file_words
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.trajectory import Trajectory, load
@@ -37,8 +38,9 @@ from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.messages import look_up
 from llsrbm.robots import Robot, load_robot
 
-__all__ = ["FORMATS", "ORDERS", "Format", "Options", "export", "file_name", "find", "is_native"]
-__all__ += ["availability", "load_any", "load_motion", "readable", "remarks_of", "stem"]
+__all__ = ["FORMATS", "ORDERS", "Format", "Options", "Purpose", "export", "file_name", "find"]
+__all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion", "readable"]
+__all__ += ["remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
 
@@ -48,20 +50,27 @@ def _registered() -> list[Format]:
     return [point.load() for point in sorted(entry_points(group=_GROUP))]
 
 
-# In the order in which they are listed and offered.
+_ALL = (
+    *(NPZ, MUJOCO, DESIGN, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
+    *(LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG, *_registered(), CSV, MP4, GIF, MCAP, RRD),
+)
+# In the order in which they are listed and offered: by what they are for.
 FORMATS: dict[str, Format] = {
-    format_.name: format_
-    for format_ in (
-        *(NPZ, CSV, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
-        *(LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
-        *(MUJOCO, MCAP, RRD, *_registered(), MP4, GIF, DESIGN),
-    )
+    each.name: each for purpose in Purpose for each in _ALL if each.purpose is purpose
 }
 
 
 def find(name: str) -> Format:
     """The format of that name; raises `InputError` if there is none."""
     return look_up("format", name, FORMATS)
+
+
+def by_purpose() -> dict[Purpose, list[Format]]:
+    """All formats by what their files are for, in the order in which to list them."""
+    return {
+        purpose: [each for each in FORMATS.values() if each.purpose is purpose]
+        for purpose in Purpose
+    }
 
 
 def availability(format_: Format, robot: Robot | None = None) -> str:
@@ -213,16 +222,29 @@ def export(
             chosen[0][0].write(trajectory, target, chosen[0][1])
 
 
-def stem(trajectory: Trajectory) -> str:
-    """A name for files of a trajectory: robot, model, plan or rollout."""
-    kind = "plan" if isinstance(trajectory, Plan) else "rollout"
-    return f"{Path(trajectory.jump.robot).stem}-{trajectory.jump.model}-{kind}"
+def file_name(trajectory: Trajectory, names: Sequence[str], *, zipped: bool = False) -> str:
+    """A name for an export as one file: robot, request, and the format where it needs saying.
 
-
-def file_name(trajectory: Trajectory, names: Sequence[str]) -> str:
-    """Under which an export can be offered as one file."""
+    "anymal_twist90.npz" of a plan, "anymal_twist90_simulated_unitree.csv" of a simulation.
+    """
     formats = [find(name) for name in names]
-    return stem(trajectory) + ((formats[0].suffix if len(formats) == 1 else "") or ".zip")
+    if len(formats) > 1:
+        return f"{_stem(trajectory)}.zip"
+    (format_,) = formats
+    name = _own_name(trajectory, format_)
+    return name if format_.suffix and not zipped else f"{name.removesuffix(format_.suffix)}.zip"
+
+
+def _stem(trajectory: Trajectory) -> str:
+    jump = trajectory.jump
+    kind = [] if isinstance(trajectory, Plan) else ["simulated"]
+    return "_".join((Path(jump.robot).stem, file_words(jump), *kind))
+
+
+def _own_name(trajectory: Trajectory, format_: Format) -> str:
+    """The name of a file or folder of a format."""
+    tag = f"_{format_.tag}" if format_.tag else ""
+    return f"{_stem(trajectory)}{tag}{format_.suffix}"
 
 
 def _write_zip(
@@ -230,9 +252,7 @@ def _write_zip(
 ) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for format_, options in chosen:
-            own = f"-{format_.name}" if len(chosen) > 1 else ""
-            path = Path(folder) / f"{stem(trajectory)}{own}{format_.suffix}"
-            format_.write(trajectory, path, options)
+            format_.write(trajectory, Path(folder) / _own_name(trajectory, format_), options)
         with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
             for file in sorted(Path(folder).rglob("*")):
                 if file.is_file():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from importlib.util import find_spec
 from math import isfinite
 from pathlib import Path
@@ -81,12 +82,22 @@ class Extra:
         return any(find_spec(module) is None for module in self.modules)
 
 
+class Purpose(Enum):
+    """The purposes of formats, in the order of their lists; the value is the heading there."""
+
+    SIMULATION = "For simulation"
+    LEARNING = "For learning"
+    ROBOT = "For the robot"
+    LOOKING = "To look at"
+
+
 @dataclass(frozen=True)
 class Format:
     """One file format.
 
     Attributes:
-        name: as on the command line; title: one line.
+        name: as on the command line; title: one line, which says what a file is and who reads it.
+        purpose: what files are written for.
         suffix: of file names, with the dot; "" of a folder.
         write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
             and further files beside it under names that begin with its name. Raises `InputError`
@@ -102,6 +113,7 @@ class Format:
 
     name: str
     title: str
+    purpose: Purpose
     suffix: str
     write: Callable[[Trajectory, Path, Options], None]
     conventions: str
@@ -112,6 +124,14 @@ class Format:
     fits: Callable[[Robot], object] | None = None
     read: Callable[[Path, Robot, float | None], WholeBodyMotion] | None = None
     recognises: Callable[[Path], bool] = lambda _: False
+
+    @property
+    def tag(self) -> str:
+        """The format in names of files, "unitree" or "gmr"; "" where the extension tells it."""
+        extension = self.suffix.removeprefix(".")
+        if extension == self.name or "." in extension:
+            return ""
+        return self.name.removesuffix(f"-{extension}")
 
     def check_installed(self) -> None:
         """Raise `InputError` if packages that it needs are missing."""

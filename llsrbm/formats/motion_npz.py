@@ -35,7 +35,7 @@ from numpy.typing import NDArray
 from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
-from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
@@ -137,6 +137,7 @@ def _order(arrays: Arrays, names: list[str], robot: Robot, path: Path) -> str:
 MOTION_NPZ = Format(
     name="motion-npz",
     title="motion reference for mjlab or BeyondMimic: joints and bodies with exact velocities",
+    purpose=Purpose.LEARNING,
     suffix=".npz",
     write=_write,
     conventions=__doc__,

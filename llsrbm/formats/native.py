@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from llsrbm.files.npz import keys
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
@@ -28,7 +28,8 @@ def _write_design(trajectory: Trajectory, path: Path, _: Options) -> None:
 
 NPZ = Format(
     name="npz",
-    title="the native file: every quantity at the planner's knots or the controller's ticks",
+    title="the native file, which llsrbm and its page open again: every quantity, without loss",
+    purpose=Purpose.SIMULATION,
     suffix=".npz",
     write=lambda trajectory, path, _: trajectory.save(path),
     conventions="""\
@@ -46,7 +47,8 @@ quaternions w, x, y, z. A rollout's file holds the plan that was followed, its k
 
 DESIGN = Format(
     name="design",
-    title="all that was asked for, to plan and simulate it again; no motion",
+    title="the request alone, for llsrbm and its page to plan and simulate it again; no motion",
+    purpose=Purpose.SIMULATION,
     suffix=SUFFIX,
     write=_write_design,
     conventions="""\

@@ -26,7 +26,7 @@ from llsrbm.files.quantity import (
     derived,
     quantities,
 )
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample, with_events
@@ -121,7 +121,8 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
 
 CSV = Format(
     name="csv",
-    title="a table for a person: time first, names with units, rows at lift-off and touchdown",
+    title="a table for people, pandas or PlotJuggler: time first, names with units",
+    purpose=Purpose.LOOKING,
     suffix=".csv",
     write=_write,
     conventions=__doc__,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.formats.base import ORDERS, Format, Options
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order
 from llsrbm.motion.trajectory import Trajectory
@@ -101,7 +101,8 @@ def _write_motion_imitation(trajectory: Trajectory, path: Path, options: Options
 
 GMR_PKL = Format(
     name="gmr-pkl",
-    title="motion as GMR saves it: root, quaternion x y z w, joints and bodies, pickled",
+    title="motion for readers of GMR's files: root, quaternion x y z w, joints, bodies, pickled",
+    purpose=Purpose.LEARNING,
     suffix=".pkl",
     write=_write_gmr,
     conventions="""\
@@ -125,6 +126,7 @@ anything.
 MIMICKIT_PKL = Format(
     name="mimickit-pkl",
     title="motion reference for MimicKit: root, exponential map and joints, pickled",
+    purpose=Purpose.LEARNING,
     suffix=".pkl",
     write=_write_mimickit,
     conventions="""\
@@ -148,6 +150,7 @@ this one are not opened here: a pickle can run anything.
 MOTION_IMITATION_JSON = Format(
     name="motion-imitation-json",
     title="motion clip of motion_imitation: rows of root, quaternion x y z w and joints",
+    purpose=Purpose.LEARNING,
     suffix=".json",
     write=_write_motion_imitation,
     conventions="""\

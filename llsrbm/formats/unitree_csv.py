@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
-from llsrbm.formats.base import Format, Options, read_beside
+from llsrbm.formats.base import Format, Options, Purpose, read_beside
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.trajectory import Trajectory
@@ -164,7 +164,8 @@ def _outline(joints: tuple[str, ...]) -> str:
 
 UNITREE_CSV = Format(
     name="unitree-csv",
-    title="motion reference: rows of root position, quaternion x y z w and joints, no header",
+    title="motion reference for mjlab and others, no header: root, quaternion x y z w, joints",
+    purpose=Purpose.LEARNING,
     suffix=".csv",
     write=_write,
     conventions=__doc__,

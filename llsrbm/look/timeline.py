@@ -196,7 +196,9 @@ def _simulated_marks(rollout: Rollout) -> list[Mark]:
     ]
     marks += _pushes(rollout)
     if not rollout.landed:
-        marks.append(Mark("fell", float(rollout.time[-1]), palette.INFEASIBLE))
+        at = rollout.outcome.fell_at_s
+        time = float(rollout.time[-1]) if at is None else at
+        marks.append(Mark("fell", time, palette.INFEASIBLE))
     return marks
 
 

@@ -40,6 +40,33 @@ def title(trajectory: Trajectory) -> str:
     return f"{Path(jump.robot).stem}: {task}"
 
 
+def file_words(jump: Jump) -> str:
+    """A request in the letters of a file's name: "twist90_forward30cm", "backflip", "hops2_up10cm".
+
+    Whole degrees and centimetres; the model where it is not the default.
+    """
+    turns = [
+        *_turns(jump.pitch, "frontflip", "backflip"),
+        *_turns(jump.roll, "roll-right", "roll-left"),
+    ]
+    parts = [words.replace(" x ", "x") for words in turns]
+    if jump.hops > 1:
+        parts = [f"hops{jump.hops}", *parts]
+    if _is_worth_naming(jump):
+        parts = [Path(jump.type).stem, *parts]
+    if degrees := round(math.degrees(jump.twist)):
+        parts.append(f"twist{degrees}")
+    parts += [
+        f"{onwards if length > 0 else backwards}{centimetres}cm"
+        for length, onwards, backwards in _moves(jump)
+        if (centimetres := round(100 * abs(length)))
+    ]
+    parts = parts or ["on-the-spot"]
+    if jump.model != Jump.model:
+        parts.append(jump.model)
+    return "_".join(parts)
+
+
 def titles_of(designs: Sequence[Decisions]) -> tuple[str, ...]:
     """Names of several designs beside each other: the jump and model of each, and what differs.
 
@@ -105,11 +132,6 @@ def _pushes(pushes: Sequence[Push]) -> str:
 
 def _task(jump: Jump) -> str:
     """The jump itself: "90° + 30 cm forward", "back flip", "2 hops of 20 cm forward"."""
-    moves = (
-        (jump.forward, "forward", "back"),
-        (jump.lateral, "left", "right"),
-        (jump.height, "up", "down"),
-    )
     turns = [
         *_turns(jump.pitch, "front flip", "back flip"),
         *_turns(jump.roll, "roll to the right", "roll to the left"),
@@ -117,21 +139,34 @@ def _task(jump: Jump) -> str:
     parts = [*turns, f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else turns
     parts += [
         f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
-        for length, onwards, backwards in moves
+        for length, onwards, backwards in _moves(jump)
         if length
     ]
     task = " + ".join(parts) or "on the spot"
-    several = jump.hops > 1
-    if several:
+    if jump.hops > 1:
         task = f"{jump.hops} hops {'of ' if parts else ''}{task}"
-    # A type that its hops or turns tell of already is not named; one may be a file.
-    if jump.type not in {Jump.type, "hops" if several else "", "flip" if turns else ""}:
+    if _is_worth_naming(jump):
         task = f"{Path(jump.type).stem} {task}"
     if jump.speed:
         task += f" from {jump.speed:g} m/s"
     if jump.end_speed:
         task += f" to {jump.end_speed:g} m/s"
     return task
+
+
+def _moves(jump: Jump) -> tuple[tuple[float, str, str], ...]:
+    """Displacements, m, and their directions in words where they are positive and negative."""
+    return (
+        (jump.forward, "forward", "back"),
+        (jump.lateral, "left", "right"),
+        (jump.height, "up", "down"),
+    )
+
+
+def _is_worth_naming(jump: Jump) -> bool:
+    """Whether the type is neither the default nor told by hops or turns; it may be a file."""
+    told = {"hops": jump.hops > 1, "flip": bool(jump.turns)}
+    return jump.type != Jump.type and not told.get(jump.type, False)
 
 
 def _turns(angle: float, onwards: str, backwards: str) -> list[str]:

@@ -265,6 +265,12 @@ class Plan(OfRobot):
         """s: when the last flight ends, as the first foot lands."""
         return float(self.phase_start[self.schedule.flights[-1] + 1])
 
+    def _repr_html_(self) -> str:
+        """Show it in a notebook: its replay, or a table of figures."""
+        from llsrbm.motion.notebook import notebook_html
+
+        return notebook_html(self)
+
     def save(self, path: str | Path) -> None:
         """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`.
 

@@ -6,10 +6,9 @@ static/panel.js supply the names and contrasts that viser lacks.
 
 from __future__ import annotations
 
-from importlib.resources import files
-
 import pytest
 
+from tests.app.axe import findings
 from tests.app.chromium import FOLDERS, PACE, tab, unfold
 from tests.app.shared_page import visit
 
@@ -28,34 +27,22 @@ PLACES = (
     "Help",
 )
 
-RUN = """async () => {
-  const found = await axe.run(document, {
-    runOnly: ["wcag2a", "wcag2aa"], resultTypes: ["violations"],
-  });
-  return found.violations
-    .filter(({ id, impact }) => ["serious", "critical"].includes(impact))
-    .flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary: why }) =>
-      `${id}: ${html.slice(0, 300)} | ${why.slice(0, 300)}`));
-}"""
-
 
 @pytest.fixture(scope="module")
 def page(browser, designer):
-    package = pytest.importorskip("axe_playwright_python")
     page = visit(browser, designer, DESK)
     page.evaluate("llsrbm.player.pause()")  # drawing in software would take axe's processor
-    page.add_script_tag(content=(files(package) / "axe.min.js").read_text("utf-8"))
     yield page
     assert page.faults == []
     page.context.close()
 
 
-def findings(page):
+def all_findings(page):
     found = {}
     for place in PLACES:
         (unfold if place in FOLDERS else tab)(page, place)
         page.wait_for_timeout(600)
-        found |= dict.fromkeys((line, place) for line in page.evaluate(RUN))
+        found |= dict.fromkeys((line, place) for line in findings(page))
     return list(found)
 
 
@@ -71,4 +58,4 @@ def test_nothing_serious_is_found(page, view, night):
         scheme = "dark" if night else "light"
         page.locator(f":root[data-mantine-color-scheme={scheme}]").wait_for(state="attached")
         page.wait_for_timeout(PACE)
-    assert findings(page) == []
+    assert all_findings(page) == []

@@ -150,7 +150,7 @@ def test_with_the_real_planner(browser, tmp_path):
         assert plan.solved
         assert plan.com[-1, :2] == pytest.approx([0.3, 0.0], abs=0.02)
         with page.expect_download() as download:
-            page.get_by_role("button", name="Export").click()
+            page.get_by_role("button", name="Export", exact=True).click()
         download.value.save_as(tmp_path / "plan.npz")
         assert llsrbm.load(tmp_path / "plan.npz").com.tolist() == plan.com.tolist()
         press(page, "Simulate")

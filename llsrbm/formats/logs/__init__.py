@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from llsrbm.formats.base import Extra, Format, Options
+from llsrbm.formats.base import Extra, Format, Options, Purpose
 from llsrbm.motion.trajectory import Trajectory
 
 
@@ -25,6 +25,7 @@ def _write_rrd(trajectory: Trajectory, path: Path, options: Options) -> None:
 MCAP = Format(
     name="mcap",
     title="a log for Foxglove and other viewers: joint states, transforms, forces, numbers to plot",
+    purpose=Purpose.LOOKING,
     suffix=".mcap",
     write=_write_mcap,
     conventions="""\
@@ -59,6 +60,7 @@ the metadata record "llsrbm".
 RRD = Format(
     name="rrd",
     title="a recording for rerun: the robot in 3D with forces and trails, and plots beside it",
+    purpose=Purpose.LOOKING,
     suffix=".rrd",
     write=_write_rrd,
     conventions="""\

@@ -39,7 +39,7 @@ from numpy.typing import NDArray
 
 from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
-from llsrbm.formats.base import Format, Options, driven_robot
+from llsrbm.formats.base import Format, Options, Purpose, driven_robot
 from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.flights import flights
@@ -213,6 +213,7 @@ def _instants(trajectory: Trajectory) -> dict[str, float]:
 MUJOCO = Format(
     name="mujoco",
     title="a folder for MuJoCo: the scene as MJCF with meshes, keyframes, and qpos, qvel, torques",
+    purpose=Purpose.SIMULATION,
     suffix="",
     write=_write,
     conventions=__doc__,

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from llsrbm.analysis.wording import outcome_words
 from llsrbm.errors import Error, InputError
-from llsrbm.formats.base import Extra, Format, Options
+from llsrbm.formats.base import Extra, Format, Options, Purpose
 from llsrbm.formats.mujoco.folder import MOTION, MUJOCO, SCENE, states_in_model_order
 from llsrbm.formats.pictures.drawing import FIELD_OF_VIEW, Drawing, draw, view_of
 from llsrbm.formats.pictures.process import NO_OPENGL
@@ -254,7 +254,8 @@ def _check_machine() -> None:
 
 MP4 = Format(
     name="mp4",
-    title="a video, H.264",
+    title="a video for slides and papers, H.264",
+    purpose=Purpose.LOOKING,
     suffix=".mp4",
     write=_write_mp4,
     conventions="""\
@@ -279,7 +280,8 @@ only up to 640 x 360.
 
 GIF = Format(
     name="gif",
-    title="a moving picture that repeats",
+    title="a moving picture that repeats, for web pages and slides",
+    purpose=Purpose.LOOKING,
     suffix=".gif",
     write=_write_gif,
     conventions="""\

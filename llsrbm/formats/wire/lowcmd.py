@@ -32,7 +32,7 @@ from pathlib import Path
 import numpy as np
 
 from llsrbm.errors import InputError
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.formats.wire.numbers import interleaved, write_numbers
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.robots import Robot
@@ -91,6 +91,7 @@ def _write_messages(table: CommandTable, path: Path) -> None:
 LOWCMD = Format(
     name="lowcmd",
     title="motor commands for Unitree's LowCmd: 500 rows/s of q, dq, tau, kp, kd by motor",
+    purpose=Purpose.ROBOT,
     suffix=".csv",
     write=_write,
     fits=_fits,

@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from llsrbm.errors import InputError
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.formats.wire.numbers import write_numbers
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.robots import Robot
@@ -93,6 +93,7 @@ def _configuration(table: CommandTable) -> dict[str, Any]:
 ODRI_CSV = Format(
     name="odri-csv",
     title="joint commands for ODRI's robots (Solo12): 1000 rows/s of positions to gains",
+    purpose=Purpose.ROBOT,
     suffix=".csv",
     write=_write,
     fits=_fits,

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.formats.base import Format, Options
+from llsrbm.formats.base import Format, Options, Purpose
 from llsrbm.formats.wire.numbers import interleaved, write_numbers
 from llsrbm.formats.wire.quadruped import corner_legs
 from llsrbm.motion.trajectory import Trajectory
@@ -73,6 +73,7 @@ def _fits(robot: Robot) -> None:
 QUAD_SDK_CSV = Format(
     name="quad-sdk-csv",
     title="leg commands of quad-sdk (LegCommandArray): 500 rows/s, FL, BL, FR, BR",
+    purpose=Purpose.ROBOT,
     suffix=".csv",
     write=_write,
     fits=_fits,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from llsrbm.files.atomic import MARK
-from llsrbm.formats.base import Extra, Format, Options
+from llsrbm.formats.base import Extra, Format, Options, Purpose
 from llsrbm.motion.trajectory import Trajectory
 
 
@@ -20,6 +20,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
 ROS2_BAG = Format(
     name="ros2-bag",
     title="a bag for ROS 2: joint states and trajectory, transforms, contacts, odometry",
+    purpose=Purpose.ROBOT,
     suffix="",
     write=_write,
     conventions="""\

@@ -93,7 +93,7 @@ def test_the_page_works_and_nothing_of_it_is_blocked(page, designer):
     assert page.evaluate("window.llsrbmFragment") == FRAGMENT  # what the link was about
     wait_until(lambda: dark(picture(page)).sum() > 3000, "the robot")
     with page.expect_download() as download:
-        page.get_by_role("button", name="Export").click()
+        page.get_by_role("button", name="Export", exact=True).click()
     assert download.value.suggested_filename.endswith(".npz")
     page.evaluate("navigator.clipboard.writeText('a link')")
     assert page.evaluate("navigator.clipboard.readText()") == "a link"

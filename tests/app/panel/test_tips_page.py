@@ -40,6 +40,22 @@ def test_a_thumb_has_one_note_and_keeps_its_name(page):
     assert page.get_by_role("slider", name="Twist [deg]", exact=True).count() == 1
 
 
+@pytest.mark.parametrize("label", ["Twist [deg]", "Forward [m]"])
+def test_a_number_box_keeps_its_number_and_says_what_it_accepts(page, label):
+    box = number(page, label)
+    before = box.input_value()
+    box.click()
+    page.keyboard.press("Control+a")
+    page.keyboard.insert_text("abc")
+    wait_until(lambda: notes(page), "the note")
+    (note,) = notes(page)
+    assert note.startswith(f"{label}: expected a number from −")
+    assert box.input_value() == before
+    page.keyboard.insert_text("-0.1")
+    assert box.input_value() == "-0.1"
+    page.keyboard.press("Escape")
+
+
 def test_keys_undo_what_was_changed_and_redo_it(page):
     fill(page, "Forward [m]", 0.2)
     status(page, "Feasible")

@@ -6,16 +6,27 @@ from dataclasses import replace
 
 import pytest
 
+from app.link import ExportChosen
 from app.motion.colours import PINNED
 from app.panel.acts import Act
-from app.panel.file_controls import PLAN, FileChoice
+from app.panel.file_controls import PLAN, FileChoice, _hindrance
 from app.panel.status import Verdict
 from app.tab.acts import is_enabled
-from app.tab.effects import Download, Keep, LoadRobot, Notify, Queue, RobotLoaded, Stop
+from app.tab.effects import (
+    Download,
+    Keep,
+    LoadRobot,
+    Notify,
+    Queue,
+    RobotLoaded,
+    ShowExports,
+    Stop,
+)
 from app.tab.files import FileChosen
 from app.workers.opened_file import OpenedFile
 from app.workers.reports import Cancelled, Exported, Failed, Opened, Progress
 from app.workers.tasks import OpenFile
+from llsrbm.formats import FORMATS
 from llsrbm.request.design import Design, load_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -81,7 +92,7 @@ def test_only_waiting_is_told(tab):
     tab.report(Failed(0, "a.npz: no"))
     assert tab.state.files.opening_note == ""
     assert tab.notes() == [("Not opened", "a.npz: no")]
-    assert tab.state.note == "Not opened: a.npz: no"
+    assert tab.state.note == ""  # it is said once
 
 
 def test_a_plan_is_shown_without_planning(tab):
@@ -251,8 +262,6 @@ def test_saving_ends(tab, report, effect):
 
 
 def test_a_format_whose_package_is_missing_is_refused(tab, monkeypatch):
-    from llsrbm.formats import FORMATS
-
     name = next(name for name, each in FORMATS.items() if each.extra is not None)
     monkeypatch.setattr(type(FORMATS[name].extra), "missing", True)
     export(tab, name)
@@ -269,3 +278,56 @@ def test_the_menu_says_what_cannot_be_written_of_the_robot(tab):
     assert not is_enabled(Act.EXPORT, tab.state)
     tab.take(FileChoice("npz"))
     assert is_enabled(Act.EXPORT, tab.state)
+
+
+def shown_exports(tab):
+    tab.take(Act.CHOOSE_EXPORT)
+    assert isinstance(tab.one, ShowExports)
+    return tab.one
+
+
+def test_the_dialog_has_every_format_by_what_it_is_for(tab):
+    shown = shown_exports(tab)
+    assert list(shown.groups) == ["For simulation", "For learning", "For the robot", "To look at"]
+    every = {each["name"]: each for group in shown.groups.values() for each in group}
+    assert list(every) == list(FORMATS)
+    assert len({each["file"] for each in every.values()}) == len(every)
+    assert every["unitree-csv"]["file"] == "anymal_twist90_forward1cm_unitree.csv"
+    assert every["npz"]["hindrance"] == ""
+    assert "robot anymal has" in every["lowcmd"]["hindrance"]
+    tab.take(Act.SIMULATE)
+    tab.finish_simulation()
+    assert shown_exports(tab).motion.startswith("the simulation of anymal: 90°")
+    tab.take(replace(tab.state.export, of=PLAN))
+    assert shown_exports(tab).motion.startswith("the plan of anymal: 90°")
+
+
+def test_what_is_not_installed_says_how_to_get_it(tab, monkeypatch):
+    for each in FORMATS.values():
+        if each.extra is not None:
+            monkeypatch.setattr(type(each.extra), "missing", True)
+    _hindrance.cache_clear()
+    (rrd,) = (each for each in shown_exports(tab).groups["To look at"] if each["name"] == "rrd")
+    _hindrance.cache_clear()
+    assert rrd["hindrance"] == 'not installed: pip install "llsrbm[rerun]"'
+
+
+def test_a_choice_in_the_dialog_is_the_menus(tab):
+    tab.take(FileChoice("npz", ("csv",), PLAN))
+    tab.take(ExportChosen("unitree-csv"))
+    assert (tab.state.export.format, tab.state.export.also) == ("unitree-csv", ())
+    assert tab.one.task.formats == ("unitree-csv",)
+    assert tab.one.task.options == {}
+    assert not tab.one.task.zipped
+    assert tab.take(ExportChosen("csv")) == ()  # one is being written
+    tab.report(Cancelled(0))
+    assert tab.take(ExportChosen("nosuch")) == ()
+    tab.take(ExportChosen("lowcmd"))
+    ((title, body),) = tab.notes()
+    assert title == "Not exported"
+    assert "robot anymal has" in body
+
+
+def test_there_is_nothing_to_choose_without_a_motion():
+    assert not is_enabled(Act.CHOOSE_EXPORT, PureTab().state)
+    assert PureTab().take(Act.CHOOSE_EXPORT) == ()

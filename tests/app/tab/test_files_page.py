@@ -69,7 +69,7 @@ def test_a_simulation_is_dropped_and_saved(page, files, tmp_path):
         page.wait_for_timeout(PACE)
     with page.expect_download() as download:
         press(page, "Export")
-    assert download.value.suggested_filename == "anymal-llsrbm-plus-rollout.zip"
+    assert download.value.suggested_filename == "anymal_twist57_forward30cm_simulated.zip"
     download.value.save_as(tmp_path / "out.zip")
     with zipfile.ZipFile(tmp_path / "out.zip") as archive:
         assert len(archive.namelist()) == 4  # npz, csv, what describes it, design
@@ -96,7 +96,9 @@ def test_another_tools_motion_stands_beside_the_plan(page, tmp_path):
 
 def test_a_bad_file_is_one_line(page):
     drop(page, "bad.npz", b"PK\x03\x04nothing")
-    note = page.get_by_text("Not opened: bad.npz: ")
+    note = page.get_by_text("bad.npz: ")
     note.wait_for()
+    assert note.count() == 1
     assert "\n" not in note.inner_text()
+    assert page.get_by_text("uploaded").count() == 0
     status(page, "Feasible")

@@ -10,7 +10,14 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.link import ComparisonClosed, PageReady, PlaybackChosen, PlayerMoved, PushDragged
+from app.link import (
+    ComparisonClosed,
+    ExportChosen,
+    PageReady,
+    PlaybackChosen,
+    PlayerMoved,
+    PushDragged,
+)
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import FileChoice
@@ -84,6 +91,7 @@ from tests.app.synthetic_plan import refined_plan
         (PageReady(software=False), {"page", "fine", "plots", "view"}),
         (Act.SHARE, set()),
         (Act.SAVE, set()),
+        (Act.CHOOSE_EXPORT, set()),
         (Act.STOP_FILES, set()),
         (Act.UNPIN, {"pins", "pin_chosen"}),
         (Act.NEAREST, set()),
@@ -154,6 +162,8 @@ WISHES = st.one_of(
             Act.USE_PINNED,
             Act.SAVE,
             Act.SHARE,
+            Act.CHOOSE_EXPORT,
+            ExportChosen("csv"),
             Act.STOP_FILES,
             WholeBody(True),
             WholeBody(False),

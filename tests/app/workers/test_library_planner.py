@@ -105,10 +105,10 @@ def test_a_file_is_opened_and_its_robot_prepared(monkeypatch):
 def test_an_export_is_one_file_whatever_it_is_of():
     task = ExportMotion(synthetic_plan(JUMP), ("csv",), options={"fps": 10.0})
     name, table = LibraryPlanner().export(task, silent)
-    assert name == "anymal-llsrbm-plus-plan.csv"
+    assert name == "anymal_twist29.csv"
     assert table.startswith(b"time [s]")
     name, folder = LibraryPlanner().export(ExportMotion(synthetic_plan(JUMP), ("mujoco",)), silent)
-    assert name == "anymal-llsrbm-plus-plan.zip"
+    assert name == "anymal_twist29_mujoco.zip"
     assert folder.startswith(b"PK")
 
 

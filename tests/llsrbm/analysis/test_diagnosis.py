@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.diagnosis import diagnose, fall_in_words
+from llsrbm.request.scenario import Push
 from tests.llsrbm.schedules import in_a_row
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
 from tests.llsrbm.synthetic_rollout import RATE, TORQUE_LIMIT, synthetic_rollout
@@ -269,6 +270,13 @@ def test_a_fall_in_words():
     sudden = ended(GOOD, status="fell", fell_at_s=0.6, reason="it toppled over")
     assert fall_in_words(sudden) == "at 0.60 s: it toppled over"
     assert fall_in_words(SUNK) == ""
+
+
+def test_the_push_before_is_named():
+    pushes = Push(0.1, (0, 3, 0)), Push(0.35, (0, 70, 0)), Push(0.5, (90, 0, 0))
+    pushed = replace(SUNK, scenario=replace(SUNK.scenario, pushes=pushes))
+    fell = ended(pushed, status="fell", fell_at_s=0.6, reason="the trunk touched the ground")
+    assert "(0.40 s), 0.05 s after the push of 70 N s, then" in fall_in_words(fell)
 
 
 @settings(max_examples=30, deadline=None)

@@ -6,7 +6,7 @@ import pytest
 
 from llsrbm import cli
 from llsrbm.formats import FORMATS, Format
-from llsrbm.formats.base import Extra, Options
+from llsrbm.formats.base import Extra, Options, Purpose
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
@@ -29,6 +29,7 @@ def picture(monkeypatch):
     format_ = Format(
         name="picture",
         title="a picture",
+        purpose=Purpose.LOOKING,
         suffix=".pic",
         write=write,
         conventions="None.",
@@ -116,7 +117,7 @@ def test_formats_are_listed(capfd):
     assert err == ""
     assert [line.split()[0] for line in out.splitlines()] == list(FORMATS)
     for line, format_ in zip(out.splitlines(), FORMATS.values()):
-        assert format_.title in line
+        assert f"{format_.purpose.value}: {format_.title}" in line
 
 
 @pytest.mark.parametrize("name", FORMATS)

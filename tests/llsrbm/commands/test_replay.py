@@ -33,7 +33,7 @@ def test_it_is_written_and_opened(saved, opened, tmp_path, capsys):
 def test_left_to_itself_it_is_a_temporary_file(saved, opened, capsys):
     assert main(["replay", str(saved), "--no-open"]) == 0
     path = Path(capsys.readouterr().out.strip())
-    assert path.name == "slider-llsrbm-plus-plan.html"
+    assert path.name == "slider_forward20cm_up35cm.html"
     assert path.exists()
     assert opened == []
     path.unlink()

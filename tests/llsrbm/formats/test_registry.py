@@ -1,6 +1,7 @@
 """Every format that is registered keeps its promises, whatever it is."""
 
 import json
+import math
 import re
 import zipfile
 from dataclasses import replace
@@ -8,10 +9,20 @@ from dataclasses import replace
 import pytest
 
 from llsrbm.errors import InputError
-from llsrbm.formats import FORMATS, Options, availability, export, file_name, find
+from llsrbm.formats import (
+    FORMATS,
+    Options,
+    Purpose,
+    availability,
+    by_purpose,
+    export,
+    file_name,
+    find,
+)
 from llsrbm.formats.pictures import video
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import load
+from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.schema import robot_files
 from tests.llsrbm.synthetic import synthetic_plan
@@ -84,6 +95,7 @@ def test_its_description(format_):
     assert format_.title
     assert "\n" not in format_.title
     assert format_.conventions.strip()
+    assert format_ in by_purpose()[format_.purpose]
     assert format_.suffix == "" or format_.suffix.startswith(".")
     assert set(format_.options) <= set(Options.__dataclass_fields__)
 
@@ -166,18 +178,32 @@ def test_all_at_once_in_a_zip(go2s_rollout, tmp_path):
     with zipfile.ZipFile(path) as archive:
         assert archive.testzip() is None
         inside = archive.namelist()
-        native = next(name for name in inside if name == f"{path.stem}-npz.npz")
+        native = next(name for name in inside if name == f"{path.stem}.npz")
         (tmp_path / "x.npz").write_bytes(archive.read(native))
     assert load(tmp_path / "x.npz").jump == rollout.jump
     for each in formats:
-        start = f"{path.stem}-{each.name}{each.suffix}"
+        start = file_name(rollout, [each.name]).removesuffix("" if each.suffix else ".zip")
         assert any(name == start or name.startswith(f"{start}/") for name in inside), each.name
 
 
-def test_file_names(plan, format_):
-    robot = OF_OTHERS.get(format_.name, "go2")
-    suffix = format_.suffix or ".zip"
-    assert file_name(plan, [format_.name]) == f"{robot}-llsrbm-plus-plan{suffix}"
+def test_a_files_name_says_what_it_is(go2s_rollout):
+    plan = replace(go2s_rollout.plan, jump=Jump("go2", twist=math.pi / 2, forward=0.3))
+    names = {name: file_name(plan, [name]) for name in FORMATS}
+    assert names["npz"] == "go2_twist90_forward30cm.npz"
+    assert names["csv"] == "go2_twist90_forward30cm.csv"
+    assert names["unitree-csv"] == "go2_twist90_forward30cm_unitree.csv"
+    assert names["mujoco"] == "go2_twist90_forward30cm_mujoco.zip"
+    assert names["design"] == "go2_twist90_forward30cm.jump.json"
+    assert len(set(names.values())) == len(names)
+    assert not {file_name(go2s_rollout, [name]) for name in FORMATS} & set(names.values())
+    assert file_name(plan, ["csv", "npz"]) == "go2_twist90_forward30cm.zip"
+    assert file_name(plan, ["unitree-csv"], zipped=True) == "go2_twist90_forward30cm_unitree.zip"
+
+
+def test_they_are_listed_by_what_they_are_for():
+    assert [each.name for formats in by_purpose().values() for each in formats] == list(FORMATS)
+    assert all(by_purpose().values())
+    assert list(by_purpose()) == list(Purpose)
 
 
 @pytest.mark.parametrize("robot", ["go2", "solo12", "slider", "anymal"])

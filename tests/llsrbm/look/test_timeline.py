@@ -123,3 +123,10 @@ def test_computing_times_are_bars_over_their_deadline():
         "10.0 ms of 20 ms, no solution",
     ]
     assert timeline(rollout.plan).bars == ()
+
+
+def test_the_mark_of_a_fall_is_when_it_fell():
+    rollout = synthetic_rollout()
+    outcome = replace(rollout.outcome, status="fell", fell_at_s=0.6)
+    events = timeline(rollout.plan, replace(rollout, outcome=outcome))
+    assert {mark.name: mark.time for mark in events.marks}["fell"] == 0.6

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from llsrbm.look.titles import title_of, titles_of
+from llsrbm.look.titles import file_words, title_of, titles_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
@@ -62,6 +62,26 @@ PUSH = Push(0.4, (0, 12, 0))
 )
 def test_a_title_tells_what_was_decided(title, decisions):
     assert title_of(*decisions) == title
+
+
+@pytest.mark.parametrize(
+    ("words", "jump"),
+    [
+        ("twist90", TWIST),
+        (
+            "twist-45_back30cm_right12cm_down10cm_srbm",
+            Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.124, -0.1),
+        ),
+        ("on-the-spot", Jump(twist=1e-3)),
+        ("backflip", Jump("go2", type="flip", pitch=-math.tau)),
+        ("2xfrontflip_twist90", Jump(type="flip", pitch=2 * math.tau, twist=math.pi / 2)),
+        ("hops2_forward20cm", Jump(type="hops", forward=0.2, hops=2)),
+        ("rear-last_forward30cm", Jump(type="rear-last", forward=0.3)),
+        ("mine_up10cm", Jump(type="/some/where/mine.toml", height=0.1)),
+    ],
+)
+def test_a_files_name_tells_the_request(words, jump):
+    assert file_words(jump) == words
 
 
 def test_several_tell_what_differs_only():
