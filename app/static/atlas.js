@@ -1,11 +1,12 @@
 // The map of the atlas: its cells and the place of the present design come from the server
 // (app/panel/atlas_controls.py). The pointer or the arrow keys choose a cell, whose jump is described
-// below the map; a click or Enter opens it.
+// below the map; a click or Enter opens it. A drawer over the picture has the map at full width.
 (() => {
   const { page, layout, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";
   const REQUEST_EVERY = 3000; // ms until a server that has sent no map is requested again
-  const WIDTH = 320, HEIGHT = 250, LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
+  const IN_PANEL = [320, 250], IN_DRAWER = [820, 470]; // width and height of the map
+  const LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
   const TICKS = 5; // about so many an axis
 
   // x and y stand side by side.
@@ -35,16 +36,53 @@
       vertical-align: -1px; border-radius: 2px; }
     ${PAIR} { display: inline-block; width: 50%; vertical-align: top; }
     ${PAIR} .mantine-Flex-root > div:first-child { width: 1.6rem !important; }
+    ${PLACE} .larger { font: inherit; padding: 2px 8px; cursor: pointer; color: inherit;
+      background: var(--mantine-color-default); border-radius: 4px;
+      border: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-atlas { display: none; left: 8px; right: 8px; top: 8px; max-height: calc(100% - 16px);
+      box-sizing: border-box; overflow-y: auto; padding: 6px 4px; border-radius: 8px;
+      color: var(--mantine-color-text); background: var(--mantine-color-body);
+      border: 1px solid var(--mantine-color-default-border); z-index: 2; }
+    #llsrbm-atlas.open { display: block; }
+    #llsrbm-atlas h2 { margin: 0 10px 4px; font: 600 16px/1.6 system-ui, sans-serif; }
+    #llsrbm-atlas svg { max-height: 62vh; }
+    #llsrbm-atlas .close { position: absolute; right: 8px; top: 6px; min-width: 32px;
+      min-height: 30px; cursor: pointer; color: inherit; background: var(--mantine-color-default);
+      border: 1px solid var(--mantine-color-default-border); border-radius: 4px; }
     ${PLACE} .slice { color: var(--mantine-color-dimmed); }`;
 
   let map = null, mark = null, chosen = -1; // chosen: number of a cell
   let version = 0, requested = -Infinity;
   let drawn = null; // the place in which the map of this version is
+  let [wide, high] = IN_PANEL; // of the map that is drawn
+
+  // ---- the drawer
+
+  const large = element("div", { class: "llsrbm-atlas" });
+  const drawer = element("section", {
+    id: "llsrbm-atlas", "aria-label": "Atlas", onkeydown: (event) => event.key === "Escape" && fold(),
+  }, element("h2", {}, "Atlas"), large, element("button",
+    { type: "button", class: "close", "aria-label": "Close the atlas", onclick: fold }, "✕"));
+  layout.over.append(drawer);
+
+  function unfold() {
+    drawer.classList.add("open");
+    look();
+    drawer.querySelector("svg")?.focus();
+  }
+
+  function fold() {
+    if (!drawer.classList.contains("open")) return;
+    drawer.classList.remove("open");
+    large.replaceChildren();
+    look();
+    document.querySelector(`${PLACE} .larger`)?.focus();
+  }
 
   // ---- places
 
-  const across = (value) => LEFT + place(map.x, value) * (WIDTH - LEFT - RIGHT);
-  const up = (value) => HEIGHT - BOTTOM - place(map.y, value) * (HEIGHT - TOP - BOTTOM);
+  const across = (value) => LEFT + place(map.x, value) * (wide - LEFT - RIGHT);
+  const up = (value) => high - BOTTOM - place(map.y, value) * (high - TOP - BOTTOM);
 
   function place({ edges }, value) {
     return (value - edges[0]) / (edges.at(-1) - edges[0]);
@@ -133,7 +171,7 @@
       { class: "cell", ...boxOf(cell), fill: map.fill[cell] ?? "url(#llsrbm-none)" })]);
     const paths = map.border.map((line) =>
       `M${line.map(([x, y]) => `${across(x).toFixed(1)} ${up(y).toFixed(1)}`).join("L")}`).join("");
-    const low = HEIGHT - BOTTOM, text = (attributes, words) => shape("text", attributes, words);
+    const low = high - BOTTOM, text = (attributes, words) => shape("text", attributes, words);
     const marks = [
       ...ticks(map.x).flatMap((value) => [
         shape("path", { class: "frame", d: `M${across(value)} ${low}v4` }),
@@ -143,21 +181,21 @@
         shape("path", { class: "frame", d: `M${LEFT} ${up(value)}h-4` }),
         text({ x: LEFT - 6, y: up(value) + 4, "text-anchor": "end" }, minus(value)),
       ]),
-      text({ x: (LEFT + WIDTH - RIGHT) / 2, y: HEIGHT - 6, "text-anchor": "middle" },
+      text({ x: (LEFT + wide - RIGHT) / 2, y: high - 6, "text-anchor": "middle" },
         heading(map.x)),
       text({
         "text-anchor": "middle", transform: `translate(10 ${(TOP + low) / 2}) rotate(-90)`,
       }, heading(map.y)),
     ];
     const made = shape("svg", {
-      viewBox: `0 0 ${WIDTH} ${HEIGHT}`, tabindex: 0, role: "application",
+      viewBox: `0 0 ${wide} ${high}`, tabindex: 0, role: "application",
       "aria-label": `Map of ${map.heading} over ${map.x.title} and ${map.y.title}: arrow keys ` +
         "choose a jump, Enter opens it",
     },
     shape("defs", {}, hatch("llsrbm-none")), ...cells,
     shape("path", { class: "halo", d: paths }), shape("path", { class: "border", d: paths }),
     shape("rect", {
-      class: "frame", x: LEFT, y: TOP, width: WIDTH - LEFT - RIGHT, height: low - TOP,
+      class: "frame", x: LEFT, y: TOP, width: wide - LEFT - RIGHT, height: low - TOP,
     }),
     ...marks, shape("rect", { class: "chosen", visibility: "hidden" }), ring("mark"));
     made.addEventListener("pointermove", (event) => choose(cellAt(event)));
@@ -199,12 +237,15 @@
 
   function draw(target) {
     drawn = target;
+    [wide, high] = target === large ? IN_DRAWER : IN_PANEL;
     target.setAttribute("data-version", version);
     target.replaceChildren();
     if (!map) return;
     target.append(
       ...(map.slice ? [element("div", { class: "slice" }, minus(map.slice))] : []),
       picture(), element("div", { class: "described", "aria-live": "polite" }), legend(),
+      ...(target === large ? [] : [element("button",
+        { type: "button", class: "larger", onclick: unfold }, "Show it large")]),
     );
     choose(chosen < map.jump.length ? chosen : -1);
     moveMark();
@@ -214,39 +255,42 @@
     const point = drawn?.querySelector(".mark");
     if (!point || !map || !mark) return;
     const within = (value, low, high) => Math.min(Math.max(value, low), high);
-    const x = within(across(mark[0]), LEFT, WIDTH - RIGHT);
-    const y = within(up(mark[1]), TOP, HEIGHT - BOTTOM);
+    const x = within(across(mark[0]), LEFT, wide - RIGHT);
+    const y = within(up(mark[1]), TOP, high - BOTTOM);
     point.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)})`);
   }
 
   function look() {
-    const target = document.querySelector(PLACE);
+    const open = drawer.classList.contains("open");
+    const target = open ? large : document.querySelector(`${PLACE}:not(#llsrbm-atlas *)`);
     if (!target?.getClientRects().length) return void (drawn = null); // or its folder is closed
     if (!version && performance.now() - requested > REQUEST_EVERY) {
       requested = performance.now();
       page.send({ kind: "atlas-seen" });
       setTimeout(layout.soon, REQUEST_EVERY);
     }
-    if (version && target.getAttribute("data-version") !== String(version)) draw(target);
+    const old = target !== drawn || target.getAttribute("data-version") !== String(version);
+    if (version && old) draw(target);
   }
 
   // ---- acts
 
   function open(cell) {
-    if (cell >= 0 && map.jump[cell] >= 0)
-      page.send({ kind: "atlas", sweep: map.sweep, jump: map.jump[cell] });
+    if (cell < 0 || map.jump[cell] < 0) return;
+    page.send({ kind: "atlas", sweep: map.sweep, jump: map.jump[cell] });
+    fold();
   }
 
   function press(event) {
     if (event.ctrlKey || event.altKey || event.metaKey) return;
-    const rows = map.y.centres.length, wide = columns();
+    const rows = map.y.centres.length, many = columns();
     const steps = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [1, 0], ArrowDown: [-1, 0] };
     const step = steps[event.key];
     if (event.key === "Enter" || event.key === " ") open(chosen);
     else if (step && chosen < 0) choose(nearest());
     else if (step) {
-      const row = Math.floor(chosen / wide) + step[0], column = (chosen % wide) + step[1];
-      if (row >= 0 && row < rows && column >= 0 && column < wide) choose(row * wide + column);
+      const row = Math.floor(chosen / many) + step[0], column = (chosen % many) + step[1];
+      if (row >= 0 && row < rows && column >= 0 && column < many) choose(row * many + column);
     } else return;
     event.preventDefault();
     event.stopPropagation();

@@ -125,10 +125,15 @@ def test_a_script_of_the_same_origin_calls_it(browser, site):
         assert not page.evaluate("inner.llsrbm.replay.playing")
 
 
-def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser):
+def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser, site):
     plan = synthetic_plan(Jump(robot="anymal", twist=1.0))
     cell = plan._repr_html_()
-    for page in shown(browser, lambda page: page.set_content(OUTER + cell)):
+
+    def show(page):
+        page.goto(f"{site}/page.html")
+        page.set_content(OUTER + cell)
+
+    for page in shown(browser, show):
         (_, frame) = page.frames
         assert frame.evaluate("window.origin") == "null"
         frame.wait_for_function("llsrbm.player.frames > 5")

@@ -87,3 +87,22 @@ def test_another_colour_is_explained_and_stays_with_another_robot(atlas):
     assert atlas.session.state.atlas.colour == "stopped-by"
     choose(atlas, "Colour", "Plannable")
     legend.get_by_text("Plannable [%]").wait_for()
+
+
+def test_the_map_is_shown_large_over_the_picture(atlas):
+    small = atlas.locator(MAP).bounding_box()["width"]
+    larger = atlas.get_by_role("button", name="Show it large")
+    larger.press("Enter")
+    drawer = atlas.get_by_role("region", name="Atlas")
+    drawer.wait_for()
+    assert drawer.locator(MAP).bounding_box()["width"] > 2 * small
+    assert atlas.get_by_label("Colour", exact=True).is_visible()
+    atlas.keyboard.press("Escape")
+    drawer.wait_for(state="hidden")
+    assert larger.evaluate("each => each === document.activeElement")
+    larger.click()
+    left, top, twist, _ = cell(atlas, -45, 0.3)
+    atlas.mouse.click(left, top)
+    drawer.wait_for(state="hidden")
+    wait_until(lambda: value(atlas, "Twist [deg]") == pytest.approx(twist), "the twist")
+    press(atlas, "Undo")
