@@ -14,6 +14,7 @@ from llsrbm.request.jump import Jump
 from tests.app.axe import findings
 from tests.app.chromium import VIEW
 from tests.app.synthetic_plan import synthetic_plan
+from tests.app.waits import wait_until
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 pytestmark = [
@@ -41,6 +42,7 @@ def folder(tmp_path_factory):
     export(synthetic_rollout(plan), made / "other.html", format="html", fps=20)
     frame = '<iframe src="jump.html" width="400" height="300"></iframe>'
     (made / "page.html").write_text(OUTER + frame, encoding="utf-8")
+    (made / "notebook.html").write_text(OUTER + plan._repr_html_(), encoding="utf-8")
     return made
 
 
@@ -126,14 +128,7 @@ def test_a_script_of_the_same_origin_calls_it(browser, site):
 
 
 def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser, site):
-    plan = synthetic_plan(Jump(robot="anymal", twist=1.0))
-    cell = plan._repr_html_()
-
-    def show(page):
-        page.goto(f"{site}/page.html")
-        page.set_content(OUTER + cell)
-
-    for page in shown(browser, show):
+    for page in shown(browser, lambda page: page.goto(f"{site}/notebook.html")):
         (_, frame) = page.frames
         assert frame.evaluate("window.origin") == "null"
         frame.wait_for_function("llsrbm.player.frames > 5")
@@ -163,12 +158,14 @@ def test_its_charts_are_of_plan_and_simulation_and_go_where_they_are_pressed(rep
     for number in range(charts.count()):
         assert charts.nth(number).locator("path").count() >= 2
     area = charts.first.locator(".area").bounding_box()
+    first = charts.first.locator("figcaption").inner_text()
     replay.mouse.click(area["x"] + 0.5 * area["width"], area["y"] + 20)
     ends = replay.evaluate("[llsrbm.replay.time, llsrbm.replay.end]")
     assert ends[0] == pytest.approx(0.5 * ends[1], abs=0.1 * ends[1])
+    wait_until(lambda: charts.first.locator("figcaption").inner_text() != first, "its values")
     first = charts.first.locator("figcaption").inner_text()
-    replay.evaluate("llsrbm.replay.seek(0)")
-    assert charts.first.locator("figcaption").inner_text() != first
+    replay.evaluate("llsrbm.replay.seek(llsrbm.replay.end)")
+    wait_until(lambda: charts.first.locator("figcaption").inner_text() != first, "other values")
 
 
 def test_it_can_be_read(replay):
