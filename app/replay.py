@@ -24,14 +24,8 @@ if TYPE_CHECKING:
 
 _SCRIPTS = (
     *("graphics.js", "elements.js", "layout.js", "page.js", "player.js", "timeline.js"),
-    *(
-        "transport.js",
-        "camera.js",
-        "replay_charts.js",
-        "embedding.js",
-        "accessibility.js",
-        "replay.js",
-    ),
+    *("transport.js", "camera.js", "replay_charts.js", "embedding.js", "accessibility.js"),
+    "replay.js",
 )
 """Of the page, in the order in which they need each other."""
 
