@@ -164,9 +164,9 @@ def _moves(jump: Jump) -> tuple[tuple[float, str, str], ...]:
 
 
 def _is_worth_naming(jump: Jump) -> bool:
-    """Whether the type is neither the default nor told by hops or turns; it may be a file."""
-    told = {"hops": jump.hops > 1, "flip": bool(jump.turns)}
-    return jump.type != Jump.type and not told.get(jump.type, False)
+    """Whether the type is neither the default nor implied by hops or turns; it may be a file."""
+    implied = {"hops": jump.hops > 1, "flip": bool(jump.turns)}
+    return jump.type != Jump.type and not implied.get(jump.type, False)
 
 
 def _turns(angle: float, onwards: str, backwards: str) -> list[str]:
