@@ -74,7 +74,6 @@
   function fold() {
     if (!drawer.classList.contains("open")) return;
     drawer.classList.remove("open");
-    large.replaceChildren();
     look();
     document.querySelector(`${PLACE} .larger`)?.focus();
   }
@@ -236,6 +235,7 @@
   }
 
   function draw(target) {
+    if (drawn !== target) drawn?.replaceChildren(); // one map at a time
     drawn = target;
     [wide, high] = target === large ? IN_DRAWER : IN_PANEL;
     target.setAttribute("data-version", version);

@@ -100,5 +100,5 @@ def test_a_bad_file_is_one_line(page):
     note.wait_for()
     assert note.count() == 1
     assert "\n" not in note.inner_text()
-    assert page.get_by_text("uploaded").count() == 0
+    wait_until(lambda: page.get_by_text("uploaded").count() == 0, "viser's own note to go")
     status(page, "Feasible")
