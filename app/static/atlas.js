@@ -5,7 +5,8 @@
   const { page, layout, element, shape, addToPage } = window.llsrbm;
   const PLACE = ".llsrbm-atlas";
   const REQUEST_EVERY = 3000; // ms until a server that has sent no map is requested again
-  const IN_PANEL = [320, 250], IN_DRAWER = [820, 470]; // width and height of the map
+  const IN_PANEL = [320, 250]; // width and height of the map, which grows with the panel
+  const AROUND = [20, 130], LEAST = 220; // pixels of the drawer around its map; of its height
   const LEFT = 50, RIGHT = 8, TOP = 8, BOTTOM = 36;
   const TICKS = 5; // about so many an axis
 
@@ -39,13 +40,13 @@
     ${PLACE} .larger { font: inherit; padding: 2px 8px; cursor: pointer; color: inherit;
       background: var(--mantine-color-default); border-radius: 4px;
       border: 1px solid var(--mantine-color-default-border); }
-    #llsrbm-atlas { display: none; left: 8px; right: 8px; top: 8px; max-height: calc(100% - 16px);
+    #llsrbm-atlas { display: none; left: 8px; right: 8px; top: 8px; bottom: 8px;
       box-sizing: border-box; overflow-y: auto; padding: 6px 4px; border-radius: 8px;
       color: var(--mantine-color-text); background: var(--mantine-color-body);
       border: 1px solid var(--mantine-color-default-border); z-index: 2; }
     #llsrbm-atlas.open { display: block; }
     #llsrbm-atlas h2 { margin: 0 10px 4px; font: 600 16px/1.6 system-ui, sans-serif; }
-    #llsrbm-atlas svg { max-height: 62vh; }
+    #llsrbm-atlas .described { min-height: 1.4em; }
     #llsrbm-atlas .close { position: absolute; right: 8px; top: 6px; min-width: 32px;
       min-height: 30px; cursor: pointer; color: inherit; background: var(--mantine-color-default);
       border: 1px solid var(--mantine-color-default-border); border-radius: 4px; }
@@ -237,7 +238,8 @@
   function draw(target) {
     if (drawn !== target) drawn?.replaceChildren(); // one map at a time
     drawn = target;
-    [wide, high] = target === large ? IN_DRAWER : IN_PANEL;
+    [wide, high] = target === large ? [large.clientWidth - AROUND[0],
+      Math.max(LEAST, drawer.clientHeight - AROUND[1])] : IN_PANEL; // letters as large as elsewhere
     target.setAttribute("data-version", version);
     target.replaceChildren();
     if (!map) return;

@@ -7,7 +7,7 @@
     #llsrbm-exports .purposes { padding: 0 16px 18px; }
     #llsrbm-exports h3 { margin: 14px 0 6px; font-size: 14px; }
     #llsrbm-exports ul { display: grid; gap: 8px; margin: 0; padding: 0; list-style: none;
-      grid-template-columns: repeat(auto-fill, minmax(min(22rem, 100%), 1fr)); }
+      grid-template-columns: repeat(auto-fill, minmax(min(17rem, 100%), 1fr)); }
     #llsrbm-exports li > * { display: grid; align-content: start; gap: 1px; width: 100%;
       height: 100%; box-sizing: border-box; padding: 7px 10px; text-align: left;
       overflow-wrap: anywhere; }
@@ -15,6 +15,7 @@
       border-radius: 8px; }
     #llsrbm-exports :is(b, span) { line-height: 1.35; }
     #llsrbm-exports span { font-size: 13px; color: var(--mantine-color-dimmed); }
+    #llsrbm-exports span::first-letter { text-transform: uppercase; }
     #llsrbm-exports code { font-size: 12px; }`;
 
   const motion = element("span"), purposes = element("div", { class: "purposes" });

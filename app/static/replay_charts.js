@@ -87,7 +87,7 @@
   window.llsrbm.charts = {
     // Instants, s; spans of flight; charts with their lines, which have a value or null an instant.
     show(figure) {
-      [time, end, drawn] = [figure.time, figure.time.at(-1), []];
+      [time, end, drawn] = [figure.time, player.clip.end, []];
       grid.replaceChildren(...figure.charts.map((each) => chart(each, figure.flights)));
       charts.open = innerWidth >= ROOM[0] && innerHeight >= ROOM[1];
       document.getElementById("llsrbm-transport").prepend(charts);
