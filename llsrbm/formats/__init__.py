@@ -1,6 +1,6 @@
 """Files that other tools read, and foreign files that can be looked at: open and write any of them.
 
-Adding a format is one declaration and one line in `FORMATS`; another package registers its own as
+Adding a format is one declaration and one line in `_formats`; another package registers its own as
 an entry point `llsrbm.formats`.
 """
 
@@ -10,6 +10,7 @@ import tempfile
 import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from importlib.metadata import entry_points
 from pathlib import Path
 from typing import Any
@@ -45,30 +46,40 @@ __all__ += ["remarks_of"]
 _GROUP = "llsrbm.formats"  # entry points
 
 
-def _registered() -> list[Format]:
-    """Formats of other packages, and of the application, which the library never imports."""
-    return [point.load() for point in sorted(entry_points(group=_GROUP))]
+FORMATS: dict[str, Format]  # by their names
 
 
-_ALL = (
-    *(NPZ, MUJOCO, DESIGN, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL, MOTION_IMITATION_JSON),
-    *(LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG, *_registered(), CSV, MP4, GIF, MCAP, RRD),
-)
-# In the order in which they are listed and offered: by what they are for.
-FORMATS: dict[str, Format] = {
-    each.name: each for purpose in Purpose for each in _ALL if each.purpose is purpose
-}
+@cache
+def _formats() -> dict[str, Format]:
+    """All formats in the order in which they are listed and offered: by what they are for.
+
+    Those of other packages, and of the application, which the library never imports, are found at
+    the first use: their modules import this one.
+    """
+    registered = [point.load() for point in sorted(entry_points(group=_GROUP))]
+    found = (
+        *(NPZ, MUJOCO, DESIGN, UNITREE_CSV, MOTION_NPZ, MIMICKIT_PKL, GMR_PKL),
+        *(MOTION_IMITATION_JSON, LOWCMD, ODRI_CSV, QUAD_SDK_CSV, ROS2_BAG),
+        *(*registered, CSV, MP4, GIF, MCAP, RRD),
+    )
+    return {each.name: each for purpose in Purpose for each in found if each.purpose is purpose}
+
+
+def __getattr__(name: str) -> Any:
+    if name == "FORMATS":
+        return _formats()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def find(name: str) -> Format:
     """The format of that name; raises `InputError` if there is none."""
-    return look_up("format", name, FORMATS)
+    return look_up("format", name, _formats())
 
 
 def by_purpose() -> dict[Purpose, list[Format]]:
     """All formats by what their files are for, in the order in which to list them."""
     return {
-        purpose: [each for each in FORMATS.values() if each.purpose is purpose]
+        purpose: [each for each in _formats().values() if each.purpose is purpose]
         for purpose in Purpose
     }
 
@@ -151,7 +162,7 @@ def is_native(path: str | Path) -> bool:
 
 def readable() -> tuple[Format, ...]:
     """The formats that can be opened."""
-    return tuple(each for each in FORMATS.values() if each.read is not None)
+    return tuple(each for each in _formats().values() if each.read is not None)
 
 
 def _recognised(path: Path) -> Format:

@@ -75,6 +75,13 @@ def test_words_are_no_markup(installed):
     assert "<b>" not in hostile._repr_html_()
 
 
-def test_the_library_alone_does_not_load_the_page():
-    code = "import sys, llsrbm.motion.notebook; sys.exit('app' in sys.modules)"
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import sys, llsrbm.motion.notebook; sys.exit('app' in sys.modules)",
+        # Whoever registers a format may be imported before the others are known.
+        "import app.replay; from llsrbm.formats import FORMATS; assert FORMATS['html']",
+    ],
+)
+def test_the_page_is_loaded_where_it_is_wanted(code):
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
