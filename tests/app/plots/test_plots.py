@@ -14,7 +14,7 @@ from app.motion import colours
 from app.motion.baked import bake_plan
 from app.page_template import page as designer_page
 from app.plots.charts import Layer, shown_layers
-from app.plots.choice import DEFAULT, FEWER, PRESETS, TORQUES, ChartChoice, of_jump
+from app.plots.choice import DEFAULT, FEWER, PRESETS, TORQUES, ChartChoice, of_jump, of_replay
 from app.plots.plots import Plots
 from app.plots.signals import SIGNALS
 from app.viser_private import DesignerServer
@@ -170,3 +170,17 @@ def test_a_flips_angle_goes_around_without_a_step():
     expected = np.degrees(np.trapezoid(layers[0].series.motion.angular_velocity[:, 1], turned.time))
     assert angle[-1] == pytest.approx(expected)
     assert np.abs(np.diff(angle)).max() < 90
+
+
+@pytest.mark.parametrize(
+    ("jump", "third"),
+    [
+        (Jump(twist=1.5), ChartChoice("inertia", ("zz",))),
+        (Jump(type="flip", pitch=math.tau), ChartChoice("inertia", ("yy",))),
+        (Jump(type="flip", roll=math.tau), ChartChoice("inertia", ("xx",))),
+        (Jump(forward=0.3), of_jump(DEFAULT, Jump(forward=0.3)).charts[2]),
+    ],
+)
+def test_a_replay_of_a_turn_has_the_inertia_about_its_axis(jump, third):
+    before = of_jump(DEFAULT, jump).charts
+    assert of_replay(jump).charts == (*before[:2], third, before[3])
