@@ -202,6 +202,25 @@ class PushDragged:
     kind: Literal["push"] = "push"
 
 
+@dataclass(frozen=True, config=_FROM_PAGE)
+class PhasesDragged:
+    """An edge of the timeline was put elsewhere."""
+
+    # s, of the first phases, up to the one that begins there; none: they are free again
+    durations: Annotated[tuple[Time, ...], Field(max_length=20)]
+    begins: bool  # whether with it another edge, or the same one anew, is moved
+    kind: Literal["phases"] = "phases"
+
+
+@dataclass(frozen=True, config=_FROM_PAGE)
+class ApexDragged:
+    """The apex in the timeline was put higher or lower."""
+
+    height: float | None  # m, of the CoM above the ground at the start; None: it is free again
+    begins: bool  # whether with it something else than before is moved
+    kind: Literal["apex"] = "apex"
+
+
 PageEvent = (
     PageReady
     | SchemeChanged
@@ -222,6 +241,8 @@ PageEvent = (
     | PartAsked
     | PartPlotted
     | PushDragged
+    | PhasesDragged
+    | ApexDragged
 )
 _EVENT: TypeAdapter[PageEvent] = TypeAdapter(Annotated[PageEvent, Field(discriminator="kind")])
 

@@ -22,6 +22,7 @@ SCRIPTS = (
     "player.js",
     "timeline.js",
     "transport.js",
+    "shaping.js",
     "camera.js",
     "remark.js",
     "legend.js",

@@ -92,7 +92,7 @@ def plan(
         if begun is not None and (whole := _checked(begun, cancelled, progress)).certified:
             return whole
     bare = replace(jump, payload=())  # of the first stage, whose solvers have the robot's own mass
-    planner, build_time = _timed_planner(bare, solver, intervals, cancelled)
+    planner, build_time = _timed_planner(bare, solver, intervals, cancelled, limits)
     try:
         first = planner.plan(
             bare,
@@ -168,11 +168,15 @@ def _checked(
 
 
 def _timed_planner(
-    jump: Jump, solver: str, intervals: int, cancelled: Callable[[], bool] | None
+    jump: Jump,
+    solver: str,
+    intervals: int,
+    cancelled: Callable[[], bool] | None,
+    limits: Mapping[str, float] | None,
 ) -> tuple[Planner, float]:
     """A jump's planner, and the time (s) that building it took."""
     start = time.perf_counter()
-    planner = planner_of(jump, solver, intervals, cancelled=cancelled)
+    planner = planner_of(jump, solver, intervals, cancelled=cancelled, limits=limits)
     return planner, time.perf_counter() - start
 
 

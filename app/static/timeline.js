@@ -59,6 +59,7 @@
   let shown = null; // llsrbm/look/timeline.py, `Timeline`
   let view = null; // [from, to] s in sight; null: all
   let changed = () => {}; // called when what is in sight, or the range, has changed
+  let drawn = () => {}; // called when the strips are drawn
 
   const names = element("div", { class: "names" });
   const track = element("div", { class: "track", role: "group", "aria-label": "Timeline" });
@@ -82,10 +83,10 @@
   const percent = (time) => `${100 * clamp(share(time), 0, 1)}%`;
   const visible = (time) => share(time) >= -1e-9 && share(time) <= 1 + 1e-9;
 
-  function timeAt(clientX) {
-    const { left, width } = track.getBoundingClientRect(), [from, to] = inSight();
-    return clamp(from + ((clientX - left) / width) * (to - from), 0, end());
-  }
+  const perPixel = () => (inSight()[1] - inSight()[0]) / track.getBoundingClientRect().width;
+  const timeBelow = (clientX) =>
+    inSight()[0] + (clientX - track.getBoundingClientRect().left) * perPixel();
+  const timeAt = (clientX) => clamp(timeBelow(clientX), 0, end());
 
   // ---- what is drawn
 
@@ -114,6 +115,7 @@
     placeLabels(marks);
     placeRange();
     refresh();
+    drawn();
   }
 
   function strip({ name, pieces }) {
@@ -239,7 +241,7 @@
     } else zoom(Math.exp(TURN * event.deltaY), timeAt(event.clientX));
   }, { passive: false });
   track.addEventListener("dblclick", (event) => {
-    if (!event.target.closest(".handle")) setView(null);
+    if (!event.target.closest(".handle, .shape")) setView(null);
   });
 
   // ---- the range that is played again and again
@@ -326,6 +328,12 @@
       root.style.display = "none";
     },
     onChange: (listener) => (changed = listener),
+    // For the handles of the plan (shaping.js).
+    track, percent, visible, timeBelow,
+    top: LANES * LANE + 1, // of the first strip, pixels
+    onDrawn: (listener) => (drawn = listener),
+    get marks() { return (shown?.marks ?? []).map(({ time }) => time); },
+    get perPixel() { return perPixel(); },
     get zoomed() { return view !== null; },
   };
 })();

@@ -13,6 +13,7 @@ from app.tab import (
     plotting,
     pushing,
     robot_simulator,
+    shaping,
     simulating,
 )
 from app.tab.planning import answers, refining, requests, robot
@@ -34,5 +35,6 @@ __all__ = [
     "requests",
     "robot",
     "robot_simulator",
+    "shaping",
     "simulating",
 ]

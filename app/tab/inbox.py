@@ -8,7 +8,7 @@ import time
 from enum import Enum
 from typing import Any
 
-from app.link import PageReady, PushDragged
+from app.link import ApexDragged, PageReady, PhasesDragged, PushDragged
 from app.panel.acts import Act, Button
 from app.picture.landing_handle import HandleMoved
 
@@ -87,4 +87,9 @@ def _outdated(before: Any, after: Any) -> bool:
             return True
         case PushDragged(ended=ended), PushDragged():
             return not ended
+        case (PhasesDragged(), PhasesDragged(begins=begins)) | (
+            ApexDragged(),
+            ApexDragged(begins=begins),
+        ):
+            return not begins and not before.begins
     return False

@@ -30,6 +30,7 @@ from app.tab.contenders import Comparing, Contender, card
 from app.tab.planning.feasible import Tint
 from app.tab.plotting import layers_of, titles
 from app.tab.pushing import push_shown
+from app.tab.shaping import handles_of
 from app.tab.simulating import status_of
 from app.tab.start.preferences import preferences
 from app.tab.state import TabState
@@ -162,6 +163,9 @@ class Rendering:
             events = None if shown is None else timeline(shown.plan, shown.rollout)
             # A motion that is pinned may go on when the one that is shown stands.
             self._link.load(clip, events and replace(events, end=max(events.end, clip.end)))
+        handles = handles_of(state)
+        if self._changed("handles", handles):
+            self._link.call("shaping.show", handles and handles.plain())
         remark = "" if state.comparing else state.remark
         legend = legend_of(picture)
         if self._changed("legend", legend):

@@ -1,6 +1,7 @@
 """Builds solvers that will be wanted next, beside all else (`-m app.workers.spare_solvers JUMP`).
 
-Those of nearer jumps, for as soon as a request is not feasible, and those that plan anew in flight.
+Those of nearer jumps, for as soon as a request is not feasible, of jumps whose apex is dragged, and
+those that plan anew in flight.
 They take half a minute each, once on a machine. The process ends with the one that asked for it.
 """
 
@@ -25,6 +26,7 @@ def build(jump: Jump) -> None:
 def main(text: str) -> None:
     """Build them; `text`: the jump as JSON."""
     from llsrbm.planning.answer.planner import planner_of
+    from llsrbm.planning.problem.apex import APEX_LIMITS, FREE_APEX
     from llsrbm.request.scenario import Scenario
     from llsrbm.simulation.replanning import Replanning
 
@@ -33,6 +35,7 @@ def main(text: str) -> None:
     jump = Jump(**json.loads(text))
     planner = planner_of(jump)
     planner.prepare_nearest(jump)
+    planner_of(jump, limits=dict(zip(APEX_LIMITS, FREE_APEX, strict=True)))
     plan = planner.plan(jump)
     Replanning(plan, planner.robot, 1 / planner.robot.file.control.rate, Scenario().replan_latency)
 

@@ -30,6 +30,7 @@ from llsrbm.errors import NotConverged
 from llsrbm.formats import find
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.planning.problem.apex import limits_apex
 from llsrbm.request.design import SUFFIX
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -120,8 +121,8 @@ class PlanJump(Task):
     kind = Kind.PLAN
 
     @property
-    def needs(self) -> Hashable:
-        return solver_of(self.jump)
+    def needs(self) -> Solver:
+        return solver_of(self.jump, self.tuning)
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         try:
@@ -247,13 +248,15 @@ class CheckMotion(Task):
         return Checked(talk.job, planner.check(self, talk.progress))
 
 
-Solver = tuple[str, str, str, int, str]
-"""Requests that one solver works on: robot, model, jump type and hops (the phases), arms."""
+Solver = tuple[str, str, str, int, str, bool]
+"""Requests that one solver works on: robot, model, jump type and hops (the phases), arms, and
+whether the apex is limited."""
 
 
-def solver_of(jump: Jump) -> Solver:
+def solver_of(jump: Jump, tuning: Tuning | None = None) -> Solver:
     """The solver that a request needs."""
-    return jump.robot, jump.model, jump.type, jump.hops, jump.arms
+    apex = tuning is not None and limits_apex(tuning.limits)
+    return jump.robot, jump.model, jump.type, jump.hops, jump.arms, apex
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,6 @@ from llsrbm import errors
 from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate
@@ -59,11 +58,11 @@ class LibraryPlanner:
         self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """Plan a jump."""
-        self._announce(task.jump, progress)
+        self._announce(task, progress)
         # The plan that the page shows may be no start: of another solver, or without an iterate.
         near = task.near
         if near is not None and (
-            near.solution is None or tasks.solver_of(near.jump) != tasks.solver_of(task.jump)
+            near.solution is None or tasks.solver_of(near.jump, near.tuning) != task.needs
         ):
             near = None
         # A slider that moves does not wait for a solver that has to be built first.
@@ -163,7 +162,7 @@ class LibraryPlanner:
         from llsrbm.planning.answer.planner import planner_of
 
         jump = task.jump
-        planner = planner_of(jump, cancelled=cancelled)
+        planner = planner_of(jump, cancelled=cancelled, limits=task.tuning.limits)
         built = planner.has_nearest_built(jump)
         if built:
             # A second, which the first slider shall not wait for.
@@ -173,13 +172,13 @@ class LibraryPlanner:
             spare_solvers.build(jump)
         return built
 
-    def _announce(self, jump: Jump, progress: ProgressListener) -> None:
-        if tasks.solver_of(jump) not in self._solvers:
+    def _announce(self, task: tasks.PlanJump, progress: ProgressListener) -> None:
+        if task.needs not in self._solvers:
             progress(
-                f"building the solver of {jump.model} for {jump.robot}: half a minute, the first "
-                "time"
+                f"building the solver of {task.jump.model} for {task.jump.robot}: half a minute, "
+                "the first time"
             )
-        self._solvers.add(tasks.solver_of(jump))
+        self._solvers.add(task.needs)
 
 
 def exported(task: tasks.ExportMotion) -> tuple[str, bytes]:

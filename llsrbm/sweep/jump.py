@@ -139,7 +139,7 @@ def _robot(point: Point) -> Robot:
 def _planner(point: Point) -> Planner:
     from llsrbm.planning.answer.planner import planner_of
 
-    planner = planner_of(point.jump, robot=_robot(point))
+    planner = planner_of(point.jump, robot=_robot(point), limits=point.limits)
     planner.formulation.solver.settle()
     return planner
 

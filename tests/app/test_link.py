@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from app import link as page_link
 from app.link import (
+    ApexDragged,
     BesideChosen,
     CertificateAsked,
     ChartDropped,
@@ -25,6 +26,7 @@ from app.link import (
     PageReady,
     PartAsked,
     PartPlotted,
+    PhasesDragged,
     PinPressed,
     PlaybackChosen,
     PlayerMoved,
@@ -81,6 +83,16 @@ LIKELY = st.fixed_dictionaries(
         ({"kind": "ready", "software": True, "tab": None, "kept": ""}, PageReady(True)),
         ({"kind": "ready", "software": True, "height": 800}, PageReady(True, height=800.0)),
         ({"kind": "part", "part": "LF_KFE"}, PartAsked("LF_KFE")),
+        (
+            {"kind": "phases", "durations": [0.4, 0.5], "begins": True},
+            PhasesDragged((0.4, 0.5), begins=True),
+        ),
+        (
+            {"kind": "phases", "durations": [], "begins": False},
+            PhasesDragged((), begins=False),
+        ),
+        ({"kind": "apex", "height": 0.6, "begins": True}, ApexDragged(0.6, begins=True)),
+        ({"kind": "apex", "height": None, "begins": True}, ApexDragged(None, begins=True)),
         ({"kind": "plot", "part": "LF_KFE", "row": 2}, PartPlotted("LF_KFE", 2)),
         (
             {"kind": "push", "time": 0.5, "x": 0.1, "y": -1, "ended": True},
@@ -112,6 +124,11 @@ def test_reports_of_the_page_are_read(message, event):
         '{"kind": "pin", "act": "use", "index": -1}',
         '{"kind": "pin", "act": "burn", "index": 0}',
         '{"kind": "beside", "on": 1}',
+        '{"kind": "phases", "durations": [0.4, -0.1], "begins": true}',
+        '{"kind": "phases", "durations": [NaN], "begins": true}',
+        '{"kind": "phases", "durations": [' + "1," * 20 + '1], "begins": true}',
+        '{"kind": "apex", "height": Infinity, "begins": true}',
+        '{"kind": "apex", "height": 0.6}',
         '{"kind": "state", "time": -1, "playing": true}',
         '{"kind": "ready"}',
         '{"kind": "ready", "software": true, "tab": "../../x"}',

@@ -12,7 +12,7 @@ from app.tab.simulating import simulate_again
 from app.tab.state import TabState
 from app.workers import tasks
 
-_MOST = 20  # motions, some megabytes together
+_MOST = 24  # motions, some megabytes together
 
 
 def with_answer(state: TabState) -> TabState:

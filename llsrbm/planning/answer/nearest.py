@@ -358,6 +358,7 @@ def retargeted(task: Task, jump: Jump) -> Task:
         timing=task.timing,
         foot=task.foot,
         body_margin=task.body_margin,
+        apex=task.apex,
         correction=task.correction,
         agreed_bounds=task.agreed_bounds,
         requested=task.requested or task.jump,

@@ -145,10 +145,11 @@ class Planner:
         """
         robot, layout = self.formulation.robot, self.formulation.layout
         task = make_task(jump, robot, weights, limits)
-        if replace(layout_of(jump, robot), intervals=layout.intervals) != layout:
+        own = layout_of(jump, robot, limits=limits)
+        if replace(own, intervals=layout.intervals) != layout:
             raise InputError(
-                f"this planner's feet stand as {layout.name}, those of the jump do not; expected "
-                "a jump of the same type (planner_of finds its planner)"
+                f"this planner plans as {layout.name}, the jump is to be planned as {own.name}; "
+                "expected one of the same type (planner_of finds its planner)"
             )
         watch, start = Watch(cancelled, progress), time.perf_counter()
         watch.wait()
@@ -329,6 +330,7 @@ def planner_of(
     intervals: int = INTERVALS,
     robot: Robot | None = None,
     cancelled: Callable[[], bool] | None = None,
+    limits: Mapping[str, float] | None = None,
 ) -> Planner:
     """The planner of a jump's robot, model and type, built once and kept (`solve.kept`).
 
@@ -340,6 +342,7 @@ def planner_of(
         intervals: as for three phases.
         robot: the one that the request names, with other drives (`llsrbm.robots.drives.variants`).
         cancelled: asked while it is built; True ends with `Cancelled` within 0.1 s.
+        limits: of the request; those of the apex take a solver of their own.
 
     Raises:
         InputError: a whole turn about an axis about which the robot makes none.
@@ -350,7 +353,7 @@ def planner_of(
     if jump.turns:
         robot = robot.turning
         check_turns(jump, robot)
-    own = robot, jump.model, solver, layout_of(jump, robot, intervals)
+    own = robot, jump.model, solver, layout_of(jump, robot, intervals, limits)
     return kept((Planner, *own), lambda: interruptible(partial(Planner, *own), cancelled))
 
 

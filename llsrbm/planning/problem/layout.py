@@ -75,6 +75,7 @@ class Layout:
         turns: whether the body turns over, so fast that legs feel it.
         under_way: whether it begins in motion, and where feet land next is free.
         arm_joints: of all arms that are free.
+        apex: whether the apex of flights is limited.
     """
 
     contacts: int
@@ -85,6 +86,7 @@ class Layout:
     turns: bool = False
     under_way: bool = False
     arm_joints: int = 0
+    apex: bool = False
     elastic: ClassVar[bool] = False  # see `problem.elastic`
 
     @classmethod
@@ -98,12 +100,13 @@ class Layout:
         clears: bool = False,
         turns: bool = False,
         arm_joints: int = 0,
+        apex: bool = False,
     ) -> Layout:
         """Layout of a schedule; `intervals` as for three phases."""
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
         counts, under_way = split(intervals, schedule), schedule.under_way
         shape = contacts, stands, counts, foot_coordinates
-        return cls(*shape, clears, turns, under_way, arm_joints)
+        return cls(*shape, clears, turns, under_way, arm_joints, apex)
 
     @property
     def own_numbers(self) -> int:
@@ -144,6 +147,7 @@ class Layout:
             "-turns": self.turns,
             "-under-way": self.under_way,
             "-arms": self.arm_joints > 0,
+            "-apex": self.apex,
         }
         return text + "".join(tag for tag, on in flags.items() if on)
 
@@ -157,6 +161,7 @@ class Layout:
             turns=self.turns,
             under_way=self.under_way,
             moves_arms=self.arm_joints > 0,
+            apex=self.apex,
         )
 
     @cached_property

@@ -89,6 +89,12 @@ _LIMITS = {limit.name: limit for limit in (
           "landing takes at least this long", 0.1, 1.0, ("timing", "landing", 0), lower_bound=True),
     Limit("landing_max", "longest landing", "s",
           "landing may take longer", 0.15, 1.5, ("timing", "landing", 1)),
+    Limit("apex_min", "lowest apex", "m",
+          "the centre of mass flies at least so high above the ground at the start",
+          0.0, 3.0, ("apex", 0), lower_bound=True),
+    Limit("apex_max", "highest apex", "m",
+          "the centre of mass may fly higher above the ground at the start",
+          0.1, 5.0, ("apex", 1)),
     # Ranges of the box and of the distance stay near the robot file's: the maps of the legs are
     # fitted there, and the closed forms of the legs' drives hold there.
     Limit("reach_min", "shortest leg, hip to foot", "m",

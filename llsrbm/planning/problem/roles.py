@@ -31,6 +31,7 @@ class Role:
         leans: before the last flight of a body that turns over; lands_upright: after it.
         under_way: of a motion that began under way.
         moves_arms: whether the robot has arms that are free.
+        limits_apex: at the first knot of a flight whose apex is limited.
         shifts: whether where feet will land is a variable; shifted: whether they have landed there.
     """
 
@@ -53,6 +54,7 @@ class Role:
     lands_upright: bool = False
     under_way: bool = False
     moves_arms: bool = False
+    limits_apex: bool = False
     shifts: bool = False
     shifted: bool = False
 
@@ -105,6 +107,7 @@ def roles_of(
     turns: bool = False,
     under_way: bool = False,
     moves_arms: bool = False,
+    apex: bool = False,
 ) -> tuple[Role, ...]:
     """(N + 1) roles of knots, by which feet stand in a phase and by its intervals; see `Layout`."""
     roles: list[Role] = []
@@ -140,6 +143,7 @@ def roles_of(
                     lands_upright=turns and p > last_flight,
                     under_way=under_way,
                     moves_arms=moves_arms,
+                    limits_apex=apex and first and p in flights,
                     shifts=shifts,
                     shifted=shifts and p > flights[0],
                 )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.models import free_arms_of
 from llsrbm.models.drives import near_stops
+from llsrbm.planning.problem.apex import FREE_APEX
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement
 from llsrbm.request.obstacle import Obstacle
@@ -152,6 +153,7 @@ class Task:
         obstacle: what is jumped over, if anything.
         clears: whether trunk and knees are kept clear of it, or of the ground.
         body_margin: m that they keep.
+        apex: lowest and highest apex of the CoM in every flight, m above the ground at the start.
         requested: the request of which `jump` does less; None: `jump` is what was asked.
         displacement: what the jump type says of where each of several jumps leads; () nothing.
     """
@@ -183,6 +185,7 @@ class Task:
     requested: Jump | None = None
     displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
+    apex: tuple[float, float] = FREE_APEX
     drive_strength: float = 1.0
     battery: float = 1.0
 

@@ -73,6 +73,7 @@ BROKEN = {
     "put_down": "a foot is put down beside its place",
     "rolling": "feet roll away from where they are planned",
     "phase_times": "a phase is too short or too long",
+    "apex_height": "the centre of mass flies too low or too high",
     "momentum_balance": "forces and momentum disagree",
     "rebound": "the landing throws the robot up again",
     "upright_landing": "the trunk lands tilted",

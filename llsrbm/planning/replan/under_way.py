@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
+from llsrbm.planning.problem.apex import FREE_APEX
 from llsrbm.planning.problem.task import Task
 
 Array = NDArray[np.float64]
@@ -76,7 +77,8 @@ def relaxed_limits(task: Task) -> Task:
     """The task under limits for a robot that has been pushed.
 
     A plan leaves something of the drives and of the legs' reach to feedback, and does not crouch as
-    deep as it could; what catches a fall may use nearly all of it. Friction stays.
+    deep as it could; what catches a fall may use nearly all of it, and flies as high as it does.
+    Friction stays.
     """
     limits, reach = task.limits, task.reach
     shares = {
@@ -91,7 +93,10 @@ def relaxed_limits(task: Task) -> Task:
         "standing": NEED_STANDING * reach.standing,
     }
     return replace(
-        task, limits=limits.model_copy(update=shares), reach=reach.model_copy(update=wider)
+        task,
+        limits=limits.model_copy(update=shares),
+        reach=reach.model_copy(update=wider),
+        apex=FREE_APEX,
     )
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from llsrbm.errors import InputError
 from llsrbm.models import free_arms_of
+from llsrbm.planning.problem.apex import limits_apex
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import load_type, schedule_of
@@ -13,8 +16,13 @@ INTERVALS = 48
 MIN_INTERVALS, MAX_INTERVALS = 9, 300  # 3 a phase; more than 300 take minutes to build
 
 
-def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
-    """The variables of a jump's plan; `intervals` as for three phases.
+def layout_of(
+    jump: Jump,
+    robot: Robot,
+    intervals: int = INTERVALS,
+    limits: Mapping[str, float] | None = None,
+) -> Layout:
+    """The variables of a jump's plan; `intervals` as for three phases; `limits`: of the request.
 
     Raises:
         InputError: a number of intervals that cannot be, or a jump type that is none.
@@ -32,4 +40,5 @@ def layout_of(jump: Jump, robot: Robot, intervals: int = INTERVALS) -> Layout:
         clears=load_type(jump.type).clears,
         turns=jump.turns,
         arm_joints=len(robot.arm_joint_index) if free_arms_of(jump, robot) else 0,
+        apex=limits_apex(limits),
     )

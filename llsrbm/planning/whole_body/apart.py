@@ -5,7 +5,7 @@ They are functions of the base's place, its small turn from the plan's attitude,
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -28,6 +28,16 @@ PAIRS = 2  # a limb, of links, or of a link and a box, that are kept apart: the 
 FAR = 1.0  # m, of rows that no pair needs: all rows have bounds (`llsrbm.ocp.horizon.Problem`)
 LEAST = 0.005  # m that links may be apart; from boxes nothing
 BETWEEN = 0.008  # m more, for what is between the instants that are looked at
+
+
+class Row(NamedTuple):
+    """A distance that a posture leaves beyond the least, m, how much of it is to be kept, and its
+    derivatives (6 + J,).
+    """
+
+    room: float
+    kept: float
+    slope: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +65,13 @@ class Apart:
         robot: Robot,
         solids: tuple[Block, ...],
         before: Apart | None = None,
+        others: Mapping[int, tuple[Row, ...]] | None = None,
     ) -> Apart:
         """About postures q (2 N + 1, nq) at times (2 N + 1,) s; `planned`: attitudes (N + 1, 4).
 
         Rows that are free have what `before` says: about another posture the same pair may be kept
         apart along another direction, and without the former one motions go from one to the other.
+        `others`: rows of instants beside those of the pairs, the last ones.
         """
         most = PAIRS * (len(robot.legs) + len(robot.arms))
         least = np.full(len(q), np.inf)
@@ -71,17 +83,19 @@ class Apart:
         for t in range(1, len(q)):  # the first knot is given
             pin.computeJointJacobians(robot.model, data, q[t])
             here = [box for box in boxes if box.block.from_s <= time[t] < box.block.until_s]
-            found = sorted(_found(links, data, q[t], here, t), key=_soon)
+            own = (others or {}).get(t, ())
+            found = sorted(_found(links, data, q[t], here, t), key=_soon)[: most - len(own)]
             turned = _turned(planned[t // 2], q[t, 3:7])
             state = np.concatenate([q[t, :3], turned, q[t, 7:]])
-            rows = min(len(found), most)
-            for i, (room, slopes) in enumerate(found[:rows]):
-                least[t] = min(least[t], room)
-                at_zero[t, i] = room - BETWEEN - slopes @ state
-                slope[t, i] = slopes
+            free = slice(len(found), most - len(own))
             if before is not None:
-                at_zero[t, rows:] = before.at_zero[t, : most - rows]
-                slope[t, rows:] = before.slope[t, : most - rows]
+                at_zero[t, free] = before.at_zero[t, : free.stop - free.start]
+                slope[t, free] = before.slope[t, : free.stop - free.start]
+            places = [*range(free.start), *range(free.stop, most)]
+            for i, row in zip(places, (*found, *own), strict=True):
+                least[t] = min(least[t], row.room)
+                at_zero[t, i] = row.room - row.kept - row.slope @ state
+                slope[t, i] = row.slope
         return cls(least, at_zero, slope)
 
     @property
@@ -107,22 +121,22 @@ class _Solid(NamedTuple):
 
 def _found(
     links: NearLinks, data: pin.Data, q: Array, solids: list[_Solid], t: int
-) -> Iterator[tuple[float, Array]]:
-    """Distances of all that is near at a knot, m, beyond the least; their (6 + J,) derivatives."""
+) -> Iterator[Row]:
+    """Distances of all that is near at a knot."""
     for near in links.at(data, q, links.within(NEAR)):
-        yield near.distance - LEAST, np.concatenate([np.zeros(6), near.slope])
+        yield Row(near.distance - LEAST, BETWEEN, np.concatenate([np.zeros(6), near.slope]))
     R_world_base = data.oMi[1].rotation
     for solid in solids:
         _, shape, placement, bounds = solid
         distance, slope = away_from(links.shapes, data, shape, placement, bounds[t], NEAR)
         if distance < NEAR:
-            yield distance, np.concatenate([R_world_base @ slope[:3], slope[3:]])
+            moved = np.concatenate([R_world_base @ slope[:3], slope[3:]])
+            yield Row(distance, BETWEEN, moved)
 
 
-def _soon(found: tuple[float, Array]) -> float:
+def _soon(row: Row) -> float:
     """Smallest joint step that closes the gap, rad or m."""
-    room, slope = found
-    return room / max(float(np.linalg.norm(slope[6:])), 1e-6)
+    return row.room / max(float(np.linalg.norm(row.slope[6:])), 1e-6)
 
 
 def _turned(planned: Array, quat: Array) -> Array:

@@ -19,6 +19,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
 from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes
+from llsrbm.planning.whole_body.tops import tops
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.robot import Robot
 
@@ -44,7 +45,8 @@ class Start:
         place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet: where they stand, their
             places.
         weights: of costs.
-        solids: the ground and blocks; apart: distances of links from each other and from them.
+        solids: the ground and blocks; apart: distances of links from each other and from them, and
+            of the CoM from the limits of its apex.
     """
 
     task: Task
@@ -138,7 +140,9 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
         foot_quat=plan.foot_quat[last_knot],
         weights=_weights(task),
         solids=solids,
-        apart=Apart.near(q, time, state["quat"][::2], robot, solids),
+        apart=Apart.near(
+            q, time, state["quat"][::2], robot, solids, others=tops(q, grid, task, robot)
+        ),
     )
 
 

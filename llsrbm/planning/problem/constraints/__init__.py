@@ -8,6 +8,7 @@ clearance, turn) by Pinocchio. Adding a constraint is one class and its place in
 
 from __future__ import annotations
 
+from llsrbm.planning.problem.constraints.apex_height import ApexHeight
 from llsrbm.planning.problem.constraints.base import AgreedConstraint, Constraint
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.contacts import FeetAtRest, FrictionPyramid, GivenContacts
@@ -39,6 +40,7 @@ CONSTRAINTS: tuple[Constraint, ...] = (
     FeetAtRest(),
     FrictionPyramid(),
     PhaseTimes(),
+    ApexHeight(),
     Reach(),
     Clearance(),
     Edge(),

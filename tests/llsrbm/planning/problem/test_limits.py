@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
-from llsrbm.planning.answer.planner import planner_for
+from llsrbm.planning.answer.planner import planner_for, planner_of
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.jump_horizon import row_bounds
 from llsrbm.planning.problem.placement import limits_of, make_task
@@ -144,6 +144,10 @@ def duration(phase):
     return lambda plan: np.diff(plan.phase_start)[phase]
 
 
+def apex(plan):
+    return plan.com[:, 2].max()
+
+
 def longest_leg(plan):
     return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).max()
 
@@ -205,6 +209,8 @@ BINDING = {
     "flight_max": (FAR, {}, 0.305, duration(1), 1e-3),
     "landing_min": (FORWARD, {}, 0.7, duration(2), 1e-3),
     "landing_max": (FORWARD, SLOW, 0.55, duration(2), 1e-3),
+    "apex_min": (FORWARD, {}, 0.65, apex, 1e-3),
+    "apex_max": (HIGH, {}, 0.62, apex, 1e-3),
     "reach_min": (HIGH, {}, 0.3, shortest_leg, 1e-3),
     "reach_max": (FORWARD, {}, 0.5, longest_leg, 1e-3),
     "reach_x_min": (FORWARD, {}, -0.1, box(np.min, 0), 1e-3),
@@ -223,7 +229,8 @@ BINDING = {
 
 
 def planned(motion, weights, limits):
-    return planner_for("anymal", "llsrbm-plus").plan(Jump(**motion), weights=weights, limits=limits)
+    jump = Jump(**motion)
+    return planner_of(jump, limits=limits).plan(jump, weights=weights, limits=limits)
 
 
 @cache
