@@ -95,13 +95,14 @@
   // ---- handles
 
   function handle(kind, index) {
-    const title = kind === "apex"
-      ? "Drag up or down: the plan flies as high, and as long as that takes"
-      : "Drag: the phases beside this edge last as long in the plan";
+    const does = kind === "apex"
+      ? "Drag up or down, or arrow keys: the plan flies so high, and as long as that takes"
+      : "Drag, or arrow keys: the phases up to the one that begins here last as long in the plan";
+    const tip = `${does}. A double-click or Delete lets it go.`;
     const made = element("div", { class: `shape ${kind}`, role: "slider", tabindex: 0,
       "aria-orientation": kind === "apex" ? "vertical" : "horizontal",
       "aria-label": partOf({ kind, index }).name,
-      title: `${title}; a double-click or Delete lets it go` }, element("output"));
+      "data-tip": tip, "aria-description": tip }, element("output"));
     const self = { made, kind, index };
     made.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
@@ -144,7 +145,12 @@
     return found !== undefined && Math.abs(found - time) <= near ? found : time;
   }
 
-  function release() {
+  // A press that moves nothing goes to the instant, as everywhere in the timeline.
+  function release({ type, clientX }) {
+    if (type === "pointerup" && held && !held.moved) {
+      player.pause();
+      player.seek(clamp(timeline.timeBelow(clientX), 0, player.clip.end));
+    }
     held?.handle.made.classList.remove("held");
     held = null;
     flush();

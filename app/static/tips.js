@@ -50,7 +50,7 @@
       untitled[0].setAttribute("aria-label", "");
       untitled = null;
     }
-    if (!target.matches("[role=slider][title]:not([title=''])")) return;
+    if (!target.matches("[role=slider].mantine-Slider-thumb[title]:not([title=''])")) return;
     untitled = [target, target.title];
     target.setAttribute("aria-label", target.title);
     target.title = "";

@@ -190,7 +190,7 @@ def _pin(limits: dict[str, float], name: str, value: float, room: float, robot: 
 
 
 def _planned(state: TabState, limits: dict[str, float], *, begins: bool) -> Step:
-    """Plan under other limits; with what `begins` there is a design to go back to."""
-    if begins:
-        state = replace(state, history=replace(state.history, changing=()))
+    """Plan under other limits; all that follows what `begins` is one step back with it."""
+    changing = () if begins else ("Tuning.limits",)
+    state = replace(state, history=replace(state.history, changing=changing))
     return choose_tuning(state, Tuning(state.design.tuning.weights, limits))

@@ -97,6 +97,7 @@ def test_one_drag_is_one_step_back():
     for number, height in enumerate((0.60, 0.61, 0.62)):
         tab.take(ApexDragged(height, begins=number == 0))
     tab.take(PhasesDragged((0.45, 0.5), begins=True))
+    tab.settle()  # the hand rests
     tab.take(PhasesDragged((0.46, 0.49), begins=False))
     tab.take(Act.UNDO)
     assert middle(tab, "apex") == pytest.approx(0.62)
