@@ -145,7 +145,7 @@ def duration(phase):
 
 
 def apex(plan):
-    return plan.com[:, 2].max()
+    return plan.com[flying(plan), 2].max()
 
 
 def longest_leg(plan):
