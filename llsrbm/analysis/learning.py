@@ -14,6 +14,8 @@ from scipy.stats.qmc import Halton
 from llsrbm.certificate import certified
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.planning.answer.planner import planner_of
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved, places, read, write
 from llsrbm.planning.whole_body.refine import Refiner, refiner_of
 from llsrbm.request.jump import COMPONENTS, Jump
@@ -93,11 +95,14 @@ def _refiner(robot: Robot) -> Refiner:
 
 
 def _solve(jump: Jump, refiner: Refiner) -> Solved | None:
-    try:
-        draft = planner_of(jump).plan(jump, patient=False, explains=False)
-    except NotConverged:
-        return None
-    plan = refiner.refine(draft, learned=False)
+    """From jumps nearby that are solved by now, as alike ones give better guesses; else a draft."""
+    plan = refiner.learned(make_task(jump, refiner.robot), Watch())
+    if plan is None or not certified(plan, refiner.robot).certified:
+        try:
+            draft = planner_of(jump).plan(jump, patient=False, explains=False)
+        except NotConverged:
+            return None
+        plan = refiner.refine(draft, learned=False)
     if not certified(plan, refiner.robot).certified:
         return None
     assert refiner.solution is not None
