@@ -21,7 +21,6 @@ import numpy as np
 import typer
 
 import llsrbm
-from benchmarks.scaled_drives import scale_lines, with_scaled
 from benchmarks.similar import like_go2, similar
 from llsrbm.planning.answer.planner import Planner
 from llsrbm.planning.problem.constraints import drives
@@ -74,13 +73,18 @@ def formulation(robot: Robot, turn: str) -> tuple[Formulation, Task]:
     return form, make_task(jump, robot)
 
 
+def with_drives(task: Task, torque: float, speed: float) -> Task:
+    """The task with so many times the drives' torque and speed."""
+    return replace(task, drive_strength=torque, battery=speed)
+
+
 def weaker(
     form: Formulation, tasks: list[Task], torque: float, speed: float, last: Attempt
 ) -> Attempt:
     """The first attempt that is solved, from the last motion; or that which violates least."""
     tried = []
     for other in tasks:
-        task = replace(with_scaled(other, torque, speed), correction=last.task.correction)
+        task = replace(with_drives(other, torque, speed), correction=last.task.correction)
         task = replace(task, rolled=last.task.rolled)
         attempt = form.solve(task, last.solution.variables, Watch(), STEPPED)
         tried.append(form.reconciled(attempt, Watch()))
@@ -122,18 +126,17 @@ def main(
     turns: str = "front,back",
     scaled: Annotated[str, typer.Option(help="both, torque, speed.")] = "both,torque,speed",
 ) -> None:
-    scale_lines()
     print("| robot | turn | scaled | smallest | phases | at their limits | violated next |")
     print("|---|---|---|---|---|---|---|", flush=True)
     for turn in turns.split(","):
         form, task = formulation(load_robot(SOURCE), turn)
-        strong = with_scaled(task, STRONG, STRONG)
+        strong = with_drives(task, STRONG, STRONG)
         source = form.reconciled(
             form.solve(strong, form.guess(strong), Watch(), FROM_FLIP_GUESS), Watch()
         )
         for name in robots.split(","):
             form, task = formulation(load_robot(name), turn)
-            strong = with_scaled(task, STRONG, STRONG)
+            strong = with_drives(task, STRONG, STRONG)
             guess = similar(source, form, strong)
             first = form.reconciled(form.solve(strong, guess, Watch(), FROM_FLIP_GUESS), Watch())
             first = first if first.solved else weaker(form, [task], STRONG, STRONG, first)

@@ -32,7 +32,6 @@ FROM_FAR = SolveOptions(mu=1e-2, iterations=80, push=0.01, acceptable=(5e-3, 4),
 LOOK = replace(FROM_FAR, iterations=12)  # after so many distances are measured again
 NEARER = replace(FROM_FAR, mu=1e-3)
 NEAR = replace(FROM_FAR, mu=1e-4, iterations=60)
-FOLLOWED_MISS = 3.0  # of rows, in their units, beyond which a solution nearby is not followed
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
 BETWEEN = 8  # parts of an interval at whose edges a motion is looked at
@@ -126,9 +125,7 @@ class Rounds:
         """Solve, and again from there where rows do not hold; whether they do in the end."""
         for each in options:
             if isinstance(each, Iterate):
-                solve = partial(
-                    self.solver.follow, problem, each, FOLLOWED_MISS, FROM_FAR.acceptable
-                )
+                solve = partial(self.solver.follow, problem, each, FROM_FAR.acceptable)
             else:
                 solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
             solution = self.watch.over(solve)
