@@ -154,17 +154,18 @@ class Solver(ABC):
         self,
         problem: Problem,
         start: Iterate,
+        max_miss: float = MAX_FOLLOW_MISS,
         acceptable: tuple[float, int] | None = None,
     ) -> Solution:
         """Solve from the solution of a problem whose numbers are a little off.
 
-        One that misses rows by more than `MAX_FOLLOW_MISS` is not begun. `acceptable`: see
+        `max_miss`: largest violation of a row with which it is begun; `acceptable`: see
         `SolveOptions`.
         """
         with solving:
             self._renew()
             rows = self._rows(problem, start.variables)
-            if (miss := largest_violation(problem, rows)) > MAX_FOLLOW_MISS:
+            if (miss := largest_violation(problem, rows)) > max_miss:
                 return self._not_begun(problem, start, miss)
             if acceptable not in self._near:
                 self._near[acceptable] = self._solver_near(acceptable)

@@ -125,7 +125,7 @@ class Rounds:
         """Solve, and again from there where rows do not hold; whether they do in the end."""
         for each in options:
             if isinstance(each, Iterate):
-                solve = partial(self.solver.follow, problem, each, FROM_FAR.acceptable)
+                solve = partial(self.solver.follow, problem, each, acceptable=FROM_FAR.acceptable)
             else:
                 solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
             solution = self.watch.over(solve)
