@@ -28,9 +28,11 @@
     tip.textContent = text;
     tip.style.display = "block";
     const box = at.getBoundingClientRect(), { offsetWidth: wide, offsetHeight: high } = tip;
-    // Beside the panel, where it hides no control; else below.
-    const left = box.left - wide - AWAY, beside = left > 0;
-    const top = beside ? box.top : box.bottom + AWAY;
+    // Above the timeline, beside the panel, where it hides no control; else below.
+    const above = at.closest("#llsrbm-transport");
+    const left = box.left - wide - AWAY, beside = left > 0 && !above;
+    const top = above ? above.getBoundingClientRect().top - high - AWAY
+      : beside ? box.top : box.bottom + AWAY;
     tip.style.left = `${beside ? left : Math.max(0, Math.min(box.left, innerWidth - wide))}px`;
     tip.style.top = `${Math.max(0, Math.min(top, innerHeight - high))}px`;
   }
@@ -64,7 +66,8 @@
     hide();
     if (!at) return;
     of = at;
-    later = setTimeout(() => at.isConnected && show(at, text), type === "focusin" ? 0 : AFTER);
+    later = setTimeout(() => at.isConnected && !at.matches(".held") && show(at, text),
+      type === "focusin" ? 0 : AFTER);
   }
 
   document.addEventListener("pointerover", look);
