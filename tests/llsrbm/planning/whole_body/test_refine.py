@@ -167,7 +167,12 @@ def test_where_a_solver_diverges_the_first_plan_stays(monkeypatch):
 
     near = Apart.near
     monkeypatch.setattr(refiner.solver, "solve", diverged)
-    monkeypatch.setattr(Apart, "near", lambda *given: measured.append(given) or near(*given))
+
+    def measuring(*given, **others):
+        measured.append(given)
+        return near(*given, **others)
+
+    monkeypatch.setattr(Apart, "near", measuring)
     kept = refiner.refine(first, learned=False)
     assert kept.refinement.status == "not-converged"
     np.testing.assert_array_equal(kept.joint_position, first.joint_position)
