@@ -116,7 +116,9 @@ def plan(
     first = _carrying(first, jump)
     if draft:
         return first
-    return whole_body_plan(first, guesses=guesses, cancelled=cancelled, progress=progress)
+    # Jumps nearby were tried before, if there are some.
+    from_nearby = guesses and solver != solver_names()[0]
+    return whole_body_plan(first, guesses=from_nearby, cancelled=cancelled, progress=progress)
 
 
 def _carrying(plan: Plan, jump: Jump) -> Plan:

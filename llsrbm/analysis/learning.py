@@ -97,13 +97,15 @@ def _refiner(robot: Robot) -> Refiner:
 def _solve(jump: Jump, refiner: Refiner) -> Solved | None:
     """From jumps nearby that are solved by now, as alike ones give better guesses; else a draft."""
     plan = refiner.learned(make_task(jump, refiner.robot), Watch())
-    if plan is None or not certified(plan, refiner.robot).certified:
+    holds = plan is not None and certified(plan, refiner.robot).certified
+    if not holds:
         try:
             draft = planner_of(jump).plan(jump, patient=False, explains=False)
         except NotConverged:
             return None
-        plan = refiner.refine(draft, learned=False)
-    if not certified(plan, refiner.robot).certified:
+        drafted = refiner.refine(draft, learned=False)
+        holds = certified(drafted, refiner.robot).certified
+    if not holds:
         return None
     assert refiner.solution is not None
     return Solved(jump, refiner.solution)

@@ -140,11 +140,13 @@ def test_no_draft_is_made_where_the_table_leads_to_a_plan_that_holds(monkeypatch
 
 
 def test_a_draft_is_made_where_the_certificate_does_not_hold(monkeypatch):
+    nearby = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
     held = iter([False])
     monkeypatch.setattr(api, "certified", lambda p: p if not next(held, True) else certified(p))
     plan = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
     assert plan.certified
     assert plan.report.attempts > 0
+    assert plan.refinement.iterations > 2 * nearby.refinement.iterations  # not from the table again
 
 
 def test_what_had_no_draft_starts_no_draft():
