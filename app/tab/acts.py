@@ -16,6 +16,7 @@ from app.panel.acts import Act
 from app.panel.panel import Panel
 from app.tab.effects import (
     Effect,
+    Forget,
     Keep,
     Notify,
     Play,
@@ -95,7 +96,7 @@ def event_of(act: Act, state: TabState, panel: Panel) -> Any:
 
 def update(state: TabState, event: Any) -> Step:
     """A tab's state after an event, and what has to be done outside of it."""
-    return _paced(state, _updated(state, event))
+    return _paced(state, _freed(state, _updated(state, event)))
 
 
 def _updated(state: TabState, event: Any) -> Step:
@@ -132,6 +133,14 @@ def is_visible(act: Act, state: TabState) -> bool:
     return act not in _visible or _visible[act](state)
 
 
+def _freed(before: TabState, step: Step) -> Step:
+    """A step after which the pool does not go on with a comparison that is closed."""
+    state, effects = step
+    if before.comparing is None or before.comparing.done or state.comparing is not None:
+        return step
+    return state, (Forget(Queue.COMPARE), *effects)
+
+
 def _paced(before: TabState, step: Step) -> Step:
     """A step that goes to a flip or from one also goes to slow motion, unless another pace is set.
 
@@ -159,10 +168,10 @@ def submit(state: TabState, task: Task) -> Step:
     return state.with_work(newest=state.tickets, awaited=task), effects
 
 
-def submit_beside(state: TabState, queue: Queue, task: Task) -> Step:
+def submit_beside(state: TabState, queue: Queue, task: Task, lane: int = 0) -> Step:
     """Have the pool work on something else; the job's ticket is the state's newest."""
     state = replace(state, tickets=state.tickets + 1)
-    return state, (Submit(queue, state.tickets, task),)
+    return state, (Submit(queue, state.tickets, task, lane),)
 
 
 def played_first(state: TabState) -> tuple[Effect, ...]:

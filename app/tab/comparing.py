@@ -12,9 +12,9 @@ from app.motion.colours import Rgb
 from app.panel.acts import Act
 from app.panel.jump_controls import title_of_model
 from app.plots.choice import compared
-from app.tab.acts import Step, on, submit_beside
+from app.tab.acts import Step, joined, on, submit_beside
 from app.tab.contenders import By, Comparing, Contender
-from app.tab.effects import Notify, Play, Queue, Reported, Seek, Stop
+from app.tab.effects import Effect, Forget, Notify, Play, Queue, Reported, Seek
 from app.tab.shown import Shown
 from app.tab.state import TabState
 from app.workers import reports, tasks
@@ -113,7 +113,7 @@ def _answers(state: TabState, plan: Plan, design: Design) -> bool:
     return plan.solved and same and not wanted and not state.planning
 
 
-# ---- one after the other
+# ---- side by side
 
 
 def _begin(
@@ -121,38 +121,56 @@ def _begin(
 ) -> Step:
     tints = (*_OTHERS[: len(ways) - 1], colours.SIMULATED)
     contenders = tuple(
-        Contender(name, design, tint, plan)
+        Contender(name, design, tint, plan, _simulated(state, plan, design))
         for (name, design), tint, plan in zip(ways, tints, plans, strict=True)
     )
     plots = replace(compared(axis_of(state.design.jump)), open=state.plots.open)
-    return go_on(replace(state, comparing=Comparing(by, contenders, plots)))
+    step = go_on(replace(state, comparing=Comparing(by, contenders, plots)))
+    return joined((Forget(Queue.COMPARE),) if state.comparing else (), step)
 
 
 def go_on(state: TabState) -> Step:
-    """Try what has not been tried yet; play all of it at the end."""
-    comparing = state.comparing
+    """Try what has not been tried yet, side by side; first what is planned already."""
+    comparing, effects = state.comparing, _played(state)
     if comparing is None:
         return state, ()
-    contender = comparing.following
-    if contender is None:
-        return state, (Seek(0.0), Play()) if comparing.present else ()
-    design = contender.design
-    task = tasks.TryWay(design.jump, design.tuning, design.scenario, contender.plan)
-    state, effects = submit_beside(state, Queue.COMPARE, task)
-    return replace(state, comparing=replace(comparing, ticket=state.tickets, note="")), effects
+    untried = [place for place, each in enumerate(comparing.contenders) if not each.done]
+    for place in sorted(untried, key=lambda place: comparing.contenders[place].plan is None):
+        state, submits = _try(state, comparing.contenders[place], place)
+        effects = (*effects, *submits)
+    return state, effects
 
 
-@on(tasks.TryWay)
+def _try(state: TabState, contender: Contender, place: int) -> Step:
+    """Have one of the ways planned, or simulated where it is planned."""
+    design, plan = contender.design, contender.plan
+    task: tasks.Task = (
+        tasks.PlanWay(design.jump, design.tuning)
+        if plan is None
+        else tasks.FollowWay(plan, design.scenario)
+    )
+    state, effects = submit_beside(state, Queue.COMPARE, task, place)
+    assert state.comparing is not None
+    contender = replace(contender, ticket=state.tickets, note="")
+    return replace(state, comparing=state.comparing.having(place, contender)), effects
+
+
+@on(tasks.PlanWay, tasks.FollowWay)
 def take_way(state: TabState, event: Reported) -> Step:
     """One of the ways is being tried, or has been."""
     comparing, robot, report = state.comparing, state.robot, event.report
-    if comparing is None or robot is None or event.ticket != comparing.ticket:
+    place = None if comparing is None else comparing.place_of(event.ticket)
+    if comparing is None or robot is None or place is None:
         return state, ()
-    contender = comparing.following
-    assert contender is not None
+    contender = comparing.contenders[place]
     match report:
+        case reports.Progress(waiting=True):
+            return state, ()
         case reports.Progress(text=text):
-            return replace(state, comparing=replace(comparing, note=text)), ()
+            contender = replace(contender, note=text)
+            return replace(state, comparing=comparing.having(place, contender)), ()
+        case reports.Planned(plan=plan):
+            return _try(state, replace(contender, plan=plan), place)
         case reports.Simulated(rollout=rollout):
             contender = replace(contender, shown=_shown(rollout, robot))
         case reports.Refused(reason=reason):
@@ -161,7 +179,25 @@ def take_way(state: TabState, event: Reported) -> Step:
             contender = replace(contender, why_not=message)
         case _:  # it was stopped
             return _closed(state), ()
-    return go_on(replace(state, comparing=comparing.with_tried(contender)))
+    comparing = comparing.having(place, replace(contender, ticket=0, note=""))
+    state = replace(state, comparing=comparing)
+    return state, _played(state) if contender.shown or comparing.done else ()
+
+
+def _played(state: TabState) -> tuple[Effect, ...]:
+    """The first of the motions plays at once; all of them from the start, once they are there."""
+    comparing = state.comparing
+    if comparing is None or not comparing.present:
+        return ()
+    return (Seek(0.0), Play()) if comparing.done or len(comparing.present) == 1 else ()
+
+
+def _simulated(state: TabState, plan: Plan | None, design: Design) -> Shown | None:
+    """The motion that is shown, if it is a simulation of that plan in the design's scenario."""
+    shown = state.shown
+    if shown is None or shown.simulated is None or shown.source or shown.plan is not plan:
+        return None
+    return shown if shown.scenario == design.scenario else None
 
 
 def _shown(rollout: Rollout, robot: Robot) -> Shown:
@@ -175,9 +211,9 @@ def _shown(rollout: Rollout, robot: Robot) -> Shown:
 
 
 @on(ComparisonClosed)
-def close(state: TabState, _: ComparisonClosed) -> Step:
+def close(state: TabState, _: ComparisonClosed) -> TabState:
     """Back to the motion that is shown."""
-    return _closed(state), (Stop(Queue.COMPARE),)
+    return _closed(state)
 
 
 def _closed(state: TabState) -> TabState:

@@ -19,7 +19,7 @@ from llsrbm.request.design import Design
 By = Literal["models", "arms", "replanning", "drives"]
 """What differs."""
 
-_BEGINS = "planning and simulating"
+_BEGINS = "Planning and simulating"
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,9 +29,11 @@ class Contender:
     name: str  # "SRBM", "With replanning"
     design: Design  # request, tuning and scenario
     colour: Rgb  # of its ellipsoid and curves
-    plan: Plan | None = None  # that is there already
+    plan: Plan | None = None  # once it is there
     shown: Shown | None = None  # its plan and simulation, once they are there
     why_not: str = ""  # there will be none, and why; in one sentence
+    ticket: int = 0  # of the job that plans or simulates it; 0: there is none
+    note: str = ""  # on that job's progress; "": it has not begun
 
     @property
     def done(self) -> bool:
@@ -59,13 +61,11 @@ class Contender:
 
 @dataclass(frozen=True, eq=False)
 class Comparing:
-    """Ways that are tried one after the other."""
+    """Ways that are tried side by side."""
 
     by: By
     contenders: tuple[Contender, ...]  # from left to right
     plots: PlotChoice  # their charts
-    ticket: int = 0  # of the job that tries the next one; 0: there is none
-    note: str = ""  # on its progress
 
     @property
     def present(self) -> tuple[Contender, ...]:
@@ -79,33 +79,38 @@ class Comparing:
         return present[-1] if present else None
 
     @property
-    def following(self) -> Contender | None:
-        """The one that is tried, or to be tried next; None: all have been."""
-        return next((each for each in self.contenders if not each.done), None)
+    def done(self) -> bool:
+        """Whether all have been tried."""
+        return all(each.done for each in self.contenders)
 
-    def with_tried(self, contender: Contender) -> Comparing:
-        """With the one that was to be tried as it is by now."""
-        before = self.following
-        contenders = tuple(contender if each is before else each for each in self.contenders)
-        return replace(self, contenders=contenders, ticket=0, note="")
+    def place_of(self, ticket: int) -> int | None:
+        """The place of the one that a job is for; None: it is for none any more."""
+        places = enumerate(self.contenders)
+        return next((place for place, each in places if each.ticket == ticket), None)
+
+    def having(self, place: int, contender: Contender) -> Comparing:
+        """With the one of a place as it is by now."""
+        contenders = [*self.contenders]
+        contenders[place] = contender
+        return replace(self, contenders=tuple(contenders))
 
 
 def card(comparing: Comparing | None) -> dict[str, Any] | None:
     """For the page (static/compare.js): the ways; once all are done a sentence and figures."""
     if comparing is None:
         return None
-    ways, following = [each.way for each in comparing.contenders], comparing.following
-    done = following is None
+    ways, done = [each.way for each in comparing.contenders], comparing.done
+    notes = [f"{each.name}: {each.note}" for each in comparing.contenders if each.note]
     return {
         "ways": [
             {
                 "name": each.name,
                 "colour": css(each.colour),
-                "state": "done" if each.done else "busy" if each is following else "waits",
+                "state": "done" if each.done else "busy" if each.note else "waits",
             }
             for each in comparing.contenders
         ],
-        "note": "" if following is None else f"{following.name}: {comparing.note or _BEGINS} ...",
+        "note": "" if done else f"{'; '.join(notes) or _BEGINS} ...",
         "sentence": sentence(ways, of_models=comparing.by == "models") if done else "",
         "rows": [{"title": title, "values": values} for title, values in rows(ways)]
         if done

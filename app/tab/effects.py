@@ -38,6 +38,10 @@ class Queue(Enum):
     COMPARE = "compare"
 
 
+MOST_LANES = 4
+"""Most lanes of a queue: a job of one replaces those of its own, and runs beside the others."""
+
+
 # ---- events that come of effects
 
 
@@ -70,14 +74,19 @@ class Outside:
         self.has_gallery = False  # the page has the examples' pictures
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
-    def name(self, queue: Queue) -> tuple[int, Queue]:
-        """Name of a queue of this tab."""
-        return self.client.client_id, queue
+    def name(self, queue: Queue, lane: int = 0) -> tuple[int, Queue, int]:
+        """Name of a lane of a queue of this tab."""
+        return self.client.client_id, queue, lane
+
+    def forget(self, queue: Queue) -> None:
+        """Have the pool forget all of a queue's jobs."""
+        for lane in range(MOST_LANES):
+            self.pool.forget(self.name(queue, lane))
 
     def give_up(self) -> None:
         """Have the pool forget all of the tab's jobs."""
         for queue in Queue:
-            self.pool.forget(self.name(queue))
+            self.forget(queue)
 
     def note(self, title: str, body: str) -> None:
         """Show a note until it is closed, in place of the one with the same words."""
@@ -114,10 +123,11 @@ class Submit(Effect):
     queue: Queue  # which
     ticket: int  # by which the state knows the job
     task: Task  # its work
+    lane: int = 0  # of the queue; jobs of different ones run side by side
 
     def do(self, outside: Outside) -> None:
         listener = partial(_report, outside.inbox, self)
-        outside.pool.submit(outside.name(self.queue), self.task, listener)
+        outside.pool.submit(outside.name(self.queue, self.lane), self.task, listener)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +155,16 @@ class Stop(Effect):
 
     def do(self, outside: Outside) -> None:
         outside.pool.cancel(outside.name(self.queue))
+
+
+@dataclass(frozen=True)
+class Forget(Effect):
+    """Have the pool give up a queue's jobs without a report, once a solver under way is built."""
+
+    queue: Queue
+
+    def do(self, outside: Outside) -> None:
+        outside.forget(self.queue)
 
 
 @dataclass(frozen=True)

@@ -176,30 +176,25 @@ class SimulateSeeds(Task):
         return tuple(SimulateJump(self.plan, self.scenario.but(seed=s)) for s in self.seeds)
 
 
-@dataclass(frozen=True, eq=False)
-class TryWay(Task):
-    """Make a jump in one of several ways: plan it, unless that is done, and follow the plan."""
-
-    jump: Jump  # the request
-    tuning: Tuning
-    scenario: Scenario
-    plan: Plan | None = None  # a solved one
-    kind = Kind.COMPARE
-
-    @property
-    def needs(self) -> Hashable:
-        return solver_of(self.jump) if self.plan is None else None
+@dataclass(frozen=True)
+class PlanWay(PlanJump):
+    """Plan a jump in one of several ways, with patience only where that is needed."""
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
-        plan = self.plan
-        if plan is None:
-            found = PlanJump(self.jump, self.tuning, alone=True).work(planner, talk)
-            if not isinstance(found, Planned):  # with patience, as for the page's own plans
-                found = PlanJump(self.jump, self.tuning).work(planner, talk)
-            if not isinstance(found, Planned):
-                return found
-            plan = found.plan
-        return SimulateJump(plan, self.scenario).work(planner, replace(talk, send=talk.briefly))
+        found = PlanJump(self.jump, self.tuning, alone=True).work(planner, talk)
+        if isinstance(found, Planned):
+            return found
+        return PlanJump(self.jump, self.tuning).work(planner, talk)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowWay(SimulateJump):
+    """Follow the plan of one of several ways; its motion comes at the end."""
+
+    kind = Kind.COMPARE
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return super().work(planner, replace(talk, send=talk.briefly))
 
 
 @dataclass(frozen=True, eq=False)

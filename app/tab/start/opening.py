@@ -104,7 +104,7 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if state.check is not None and state.check.ticket:
         state, checked = begin_check(state, state.check.motion)
         begun = (*begun, *checked)
-    if state.comparing is not None and state.comparing.ticket:
+    if state.comparing is not None and not state.comparing.done:
         state, tried = go_on(state)
         begun = (*begun, *tried)
     if state.files.opening or state.files.saving:

@@ -40,6 +40,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
             "SEEDS",
             "ROBOT_SIMULATOR",
             "SAVE",
+            "CHOOSE_EXPORT",
             "EXPORT",
             "PIN",
             "UNDO",

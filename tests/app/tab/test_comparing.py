@@ -11,12 +11,13 @@ from app.panel.acts import Act
 from app.plots.choice import PRESETS
 from app.tab.acts import is_visible
 from app.tab.contenders import card
-from app.tab.effects import Play, Queue, Seek, Stop
+from app.tab.effects import Forget, Play, Queue, Seek
 from app.tab.plotting import layers_of
 from app.tab.rendering import picture_of
 from app.tab.start.opening import left, resume
 from app.workers.reports import Cancelled, Failed, Planned, Progress, Refused, Simulated
-from app.workers.tasks import TryWay
+from app.workers.tasks import FollowWay, PlanWay
+from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from tests.app.pure_tab import plan_of, planned_tab, rollout_of
 from tests.app.synthetic_plan import refined_plan
@@ -27,34 +28,45 @@ def tab():
     return planned_tab(twist=1.0)
 
 
-def tried(tab):
-    """The task that is being worked on."""
-    return tab.submits[-1].task
+def tried(tab, place):
+    """The job that is worked on for the one of a place, from the left."""
+    ticket = tab.state.comparing.contenders[place].ticket
+    (submit,) = [each for each in tab.submits if each.ticket == ticket]
+    assert (submit.queue, submit.lane) == (Queue.COMPARE, place)
+    return submit
 
 
-def finish(tab):
-    """What is tried comes."""
-    task = tried(tab)
-    assert isinstance(task, TryWay)
-    plan = task.plan or replace(plan_of(task.jump), tuning=task.tuning)
-    rollout = replace(rollout_of(plan_of(plan.jump)), plan=plan, scenario=task.scenario)
-    return tab.report(Simulated(0, rollout))
+def finish(tab, place):
+    """The plan of one comes, if it was not there, and its simulation."""
+    submit = tried(tab, place)
+    if isinstance(submit.task, PlanWay):
+        tab.report(planned(submit.task), submit=submit)
+        submit = tried(tab, place)
+    task = submit.task
+    assert isinstance(task, FollowWay)
+    rollout = replace(rollout_of(plan_of(task.plan.jump)), plan=task.plan, scenario=task.scenario)
+    return tab.report(Simulated(0, rollout), submit=submit)
+
+
+def planned(task):
+    return Planned(0, replace(plan_of(task.jump), tuning=task.tuning))
+
+
+def finish_all(tab):
+    for place, each in enumerate(tab.state.comparing.contenders):
+        if not each.done:
+            finish(tab, place)
+    return tab.state.comparing
 
 
 def compare(tab, act=Act.COMPARE_MODELS):
     tab.take(act)
-    while tab.state.comparing.ticket:
-        finish(tab)
-    return tab.state.comparing
+    return finish_all(tab)
 
 
 def test_each_model_plans_and_is_simulated_and_the_sentence_has_the_figures(tab):
-    tab.take(Act.COMPARE_MODELS)
-    models = []
-    while tab.state.comparing.ticket:
-        assert tab.submits[-1].queue is Queue.COMPARE
-        models.append(tried(tab).jump.model)
-        finish(tab)
+    comparing = compare(tab)
+    models = [each.solid.plan.jump.model for each in comparing.contenders]
     assert models == ["srbm", "llsrbm", "llsrbm-plus"]
     assert tab.of(Play)
     assert tab.of(Seek)
@@ -64,13 +76,35 @@ def test_each_model_plans_and_is_simulated_and_the_sentence_has_the_figures(tab)
     assert len(shown["rows"][0]["values"]) == 3
 
 
-def test_a_draft_that_is_there_is_not_planned_again(tab):
+def test_they_are_tried_side_by_side_and_a_draft_that_is_there_is_simulated_at_once(tab):
+    begun = tab.take(Act.COMPARE_MODELS)
+    assert [type(each.task) for each in begun] == [FollowWay, PlanWay, PlanWay]
+    assert [each.lane for each in begun] == [2, 0, 1]
+    assert begun[0].task.plan is tab.state.plan
+    tab.report(planned(tried(tab, 1).task), submit=tried(tab, 1))
+    assert isinstance(tried(tab, 1).task, FollowWay)
+    assert isinstance(tried(tab, 0).task, PlanWay)
+
+
+def test_the_first_that_comes_plays_and_all_play_from_the_start_at_the_end(tab):
     tab.take(Act.COMPARE_MODELS)
-    plans = []
-    while tab.state.comparing.ticket:
-        plans.append(tried(tab).plan)
-        finish(tab)
-    assert plans == [None, None, tab.state.plan]
+    assert finish(tab, 2) == (Seek(0.0), Play())
+    assert [each.title for each in picture_of(tab.state).row] == ["LL-SRBM+"]
+    assert not [each for each in finish(tab, 0) if isinstance(each, Seek | Play)]
+    assert [each.title for each in picture_of(tab.state).row] == ["SRBM", "LL-SRBM+"]
+    assert finish(tab, 1)[-2:] == (Seek(0.0), Play())
+
+
+def test_a_simulation_that_is_shown_is_not_made_again(tab):
+    tab.take(Act.SIMULATE)
+    tab.finish_simulation()
+    tab.take(Act.COMPARE_DRIVES)
+    ideal, true = tab.state.comparing.contenders
+    assert true.shown is tab.state.shown
+    assert not ideal.done
+    tab.take(Scenario(board=0.02))
+    tab.take(Act.COMPARE_DRIVES)
+    assert not tab.state.comparing.present
 
 
 def test_the_whole_bodys_plan_is_one_of_them(tab):
@@ -87,10 +121,7 @@ def test_the_picture_and_the_charts_are_of_all_that_is_there(tab):
     before = picture_of(tab.state)
     tab.take(Act.COMPARE_MODELS)
     assert picture_of(tab.state).row == ()
-    finish(tab)
-    assert [each.title for each in picture_of(tab.state).row] == ["SRBM"]
-    while tab.state.comparing.ticket:
-        finish(tab)
+    finish_all(tab)
     picture = picture_of(tab.state)
     assert [each.title for each in picture.row] == ["SRBM", "LL-SRBM", "LL-SRBM+"]
     assert len({each.colour for each in picture.row}) == 3
@@ -105,7 +136,6 @@ def test_the_picture_and_the_charts_are_of_all_that_is_there(tab):
         "angular_velocity",
     ]
     tab.take(ComparisonClosed())
-    assert tab.of(Stop) == [Stop(Queue.COMPARE)]
     assert picture_of(tab.state).planned is before.planned
     assert picture_of(tab.state).row == ()
 
@@ -121,10 +151,11 @@ def test_charts_chosen_meanwhile_are_the_comparisons(tab):
 
 def test_a_model_that_finds_no_plan_is_said_and_the_others_go_on(tab):
     tab.take(Act.COMPARE_MODELS)
-    jump = tried(tab).jump
-    tab.report(Refused(0, jump, "the knees need 18 rad/s", plan_of(jump, "not-converged")))
-    tab.report(Failed(0, "the server is busy"))
-    finish(tab)
+    jump = tried(tab, 0).task.jump
+    refused = Refused(0, jump, "the knees need 18 rad/s", plan_of(jump, "not-converged"))
+    tab.report(refused, submit=tried(tab, 0))
+    tab.report(Failed(0, "the server is busy"), submit=tried(tab, 1))
+    finish(tab, 2)
     shown = card(tab.state.comparing)
     assert shown["sentence"].startswith(
         "SRBM has no plan (the knees need 18 rad/s); LL-SRBM has no plan (the server is busy); "
@@ -135,11 +166,14 @@ def test_a_model_that_finds_no_plan_is_said_and_the_others_go_on(tab):
 
 def test_while_it_is_tried_its_progress_is_told(tab):
     tab.take(Act.COMPARE_MODELS)
-    tab.report(Progress(0, "simulating, 31 %"))
+    assert card(tab.state.comparing)["note"] == "Planning and simulating ..."
+    tab.report(Progress(0, "attempt 1"), submit=tried(tab, 0))
+    tab.report(Progress(0, "waiting: attempt 1", waiting=True), submit=tried(tab, 1))
+    tab.report(Progress(0, "simulating, 31 %"), submit=tried(tab, 2))
     shown = card(tab.state.comparing)
-    assert shown["note"] == "SRBM: simulating, 31 % ..."
+    assert shown["note"] == "SRBM: attempt 1; LL-SRBM+: simulating, 31 % ..."
     assert shown["sentence"] == ""
-    assert [way["state"] for way in shown["ways"]] == ["busy", "waits", "waits"]
+    assert [way["state"] for way in shown["ways"]] == ["busy", "waits", "busy"]
 
 
 @pytest.mark.parametrize(
@@ -150,6 +184,17 @@ def test_it_ends_with_another_design_or_simulation(tab, event):
     tab.take(event)
     assert tab.state.comparing is None
     assert card(tab.state.comparing) is None
+
+
+@pytest.mark.parametrize("event", [ComparisonClosed(), Act.SIMULATE, Jump(twist=0.5)])
+def test_what_it_had_under_way_is_given_up(tab, event):
+    tab.take(Act.COMPARE_MODELS)
+    assert not tab.of(Forget)
+    tab.take(event)
+    assert tab.of(Forget) == [Forget(Queue.COMPARE)]
+    compare(tab)
+    tab.take(ComparisonClosed())
+    assert not tab.of(Forget)
 
 
 def test_reports_of_one_that_was_closed_count_no_more(tab):
@@ -192,9 +237,7 @@ def test_arms_are_compared_by_plans_of_their_own(tab):
 
 def test_a_tab_that_comes_back_goes_on_with_it(tab):
     tab.take(Act.COMPARE_MODELS)
-    finish(tab)
+    finish(tab, 0)
     tab.have(resume(left(tab.state), PageReady(software=True)))
-    assert tried(tab).jump.model == "llsrbm"
-    while tab.state.comparing.ticket:
-        finish(tab)
-    assert len(tab.state.comparing.present) == 3
+    assert [each.lane for each in tab.effects if each in tab.submits] == [2, 1]
+    assert len(finish_all(tab).present) == 3

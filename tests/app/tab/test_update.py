@@ -29,6 +29,7 @@ from app.tab.comparison import PinChosen
 from app.tab.effects import (
     After,
     Effect,
+    Forget,
     LoadRobot,
     Reported,
     RobotLoaded,
@@ -60,13 +61,13 @@ from app.workers.reports import (
 from app.workers.tasks import (
     CheckMotion,
     ExportMotion,
+    FollowWay,
     OpenFile,
     PlanJump,
     Prepare,
     RefinePlan,
     SimulateJump,
     SimulateSeeds,
-    TryWay,
 )
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
@@ -207,12 +208,10 @@ def success(task, file):
             return Planned(0, _plan(jump, tuning))
         case RefinePlan(plan=plan):
             return Planned(0, refined_plan(plan))
-        case SimulateJump(plan=plan, scenario=scenario):
+        case SimulateJump(plan=plan, scenario=scenario) | FollowWay(plan=plan, scenario=scenario):
             return Simulated(0, simulated(plan, scenario))
         case SimulateSeeds(plan=plan, seeds=seeds, scenario=scenario):
             return SimulatedSeeds(0, (SEED,) * len(seeds), simulated(plan, scenario))
-        case TryWay(jump=jump, tuning=tuning, scenario=scenario):
-            return Simulated(0, simulated(_plan(jump, tuning), scenario))
         case OpenFile():
             return Opened(0, file)
         case ExportMotion():
@@ -270,6 +269,8 @@ class AnyEvents(RuleBasedStateMachine):
                     self.running.append(effect)
                 case Stop(queue):
                     stopped += [submit for submit in self.running if submit.queue is queue]
+                case Forget(queue):
+                    self.running = [each for each in self.running if each.queue is not queue]
                 case LoadRobot(name):
                     self.loading.append(name)
                 case After(event=event):
@@ -312,7 +313,12 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.files.opening,
             self.state.files.saving,
             self.state.check and self.state.check.ticket,
-            self.state.comparing and self.state.comparing.ticket,
+            *(
+                each.ticket
+                for comparing in [self.state.comparing]
+                if comparing
+                for each in comparing.contenders
+            ),
         )
         before = self.state
         self.take(Reported(submit, report))

@@ -1,4 +1,4 @@
-"""A way to make a jump: planned unless it is, with patience where that needs it, and followed."""
+"""A way to make a jump: planned, with patience where that needs it, and followed."""
 
 from __future__ import annotations
 
@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.workers.reports import Progress, Refused, Simulated, SimulatedSoFar, Talk
-from app.workers.tasks import TryWay, solver_of
+from app.workers.reports import Planned, Progress, Refused, Simulated, SimulatedSoFar, Talk
+from app.workers.tasks import FollowWay, PlanWay, solver_of
 from llsrbm.errors import NotConverged
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -46,30 +46,30 @@ def talk(sent):
     return Talk(7, sent.append, SimpleNamespace(value=0))
 
 
-def test_it_is_planned_and_followed_and_its_beginning_is_not_sent(talk, sent):
-    planner, task = Planner(), TryWay(JUMP, TUNING, SCENARIO)
-    report = task.work(planner, talk)
-    assert isinstance(report, Simulated)
-    assert [(each.jump, each.tuning, each.alone) for each in planner.asked] == [
-        (JUMP, TUNING, True)
-    ]
-    assert planner.followed == [(plan_of(JUMP), SCENARIO)]
-    assert task.needs == solver_of(JUMP)
+def test_it_is_followed_and_its_beginning_is_not_sent(talk, sent):
+    planner, plan = Planner(), plan_of(JUMP)
+    task = FollowWay(plan, SCENARIO)
+    assert isinstance(task.work(planner, talk), Simulated)
+    assert planner.followed == [(plan, SCENARIO)]
+    assert task.kind.long
+    assert task.needs is None
     assert any(isinstance(each, Progress) for each in sent)
     assert not any(isinstance(each, SimulatedSoFar) for each in sent)
 
 
-def test_what_fails_at_first_is_tried_with_patience(talk):
+def test_it_is_planned_quickly_where_that_does(talk):
+    planner, task = Planner(), PlanWay(JUMP, TUNING)
+    assert isinstance(task.work(planner, talk), Planned)
+    asked = [(each.jump, each.tuning, each.alone) for each in planner.asked]
+    assert asked == [(JUMP, TUNING, True)]
+    assert not task.kind.long  # it may go to the process that keeps away from what lasts
+    assert task.needs == solver_of(JUMP, TUNING)
+
+
+def test_what_fails_at_first_is_planned_with_patience(talk):
     planner = Planner(fails=1)
-    assert isinstance(TryWay(JUMP, TUNING, SCENARIO).work(planner, talk), Simulated)
+    assert isinstance(PlanWay(JUMP, TUNING).work(planner, talk), Planned)
     assert [each.alone for each in planner.asked] == [True, False]
-    refused = TryWay(JUMP, TUNING, SCENARIO).work(Planner(fails=2), talk)
+    refused = PlanWay(JUMP, TUNING).work(Planner(fails=2), talk)
     assert isinstance(refused, Refused)
     assert refused.reason == "the knees"
-
-
-def test_a_plan_that_is_there_needs_no_solver(talk):
-    planner, task = Planner(), TryWay(JUMP, TUNING, SCENARIO, plan_of(JUMP))
-    assert isinstance(task.work(planner, talk), Simulated)
-    assert planner.asked == []
-    assert task.needs is None
