@@ -23,6 +23,7 @@ from app.panel.jump_types import (
 )
 from app.viser_private import uuid_of
 from llsrbm import models
+from llsrbm.look.titles import title_of_model
 from llsrbm.request import jump_types
 from llsrbm.request.jump import ARMS, COMPONENTS, MOST_HOPS, Jump
 from llsrbm.request.jump_types import JumpType
@@ -32,7 +33,6 @@ from llsrbm.robots.payload import HEAVIEST
 _UNKNOWN_HEAVIEST = 1.0  # kg, until the robot is there
 _FASTEST = 1.0  # m/s at the start and the end: a quick walk of a small robot
 _DEG = 180 / math.pi
-_MODEL_TITLES = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 
 
 def _slider(
@@ -242,16 +242,3 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
             aliases=tuple(models_by_title.values()),
         ),
     )
-
-
-def title_of_model(name: str) -> str:
-    """As in menus."""
-    return _MODEL_TITLES.get(name, name)
-
-
-def titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
-    """The jump with titles of robot and model, but for the first robot, which titles leave out."""
-    robot = jump.robot
-    if robot != Jump().robot and robot in robots:
-        robot = robots[robot].title
-    return replace(jump, robot=robot, model=title_of_model(jump.model))

@@ -10,7 +10,6 @@ from app.motion import colours
 from app.motion.baked import bake_plan, bake_rollout
 from app.motion.colours import Rgb
 from app.panel.acts import Act
-from app.panel.jump_controls import title_of_model
 from app.plots.choice import compared
 from app.tab.acts import Step, joined, on, submit_beside
 from app.tab.contenders import By, Comparing, Contender
@@ -20,6 +19,7 @@ from app.tab.state import TabState
 from app.workers import reports, tasks
 from llsrbm import models
 from llsrbm.analysis.side_by_side import axis_of
+from llsrbm.look.titles import title_of_model
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import surroundings

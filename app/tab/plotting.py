@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from app.link import ChartDropped
 from app.motion.baked import ForeignMotion
 from app.panel.acts import Act
-from app.panel.jump_controls import titled
 from app.plots.charts import (
     Layer,
     charts,
@@ -20,18 +20,21 @@ from app.plots.choice import MOST_CHARTS, PlotChoice
 from app.tab.acts import Step, on, reads
 from app.tab.effects import Download
 from app.tab.state import TabState
-from llsrbm.look.titles import Decisions, titles_of
+from llsrbm.look.titles import decisions_of, titles_of
+from llsrbm.request.jump import Jump
+from llsrbm.robots import RobotFile
 
 
 def titles(state: TabState) -> tuple[str, ...]:
     """Names of the design that is shown, and of what is pinned: by what they differ."""
     shown = state.shown
     assert shown is not None
-    scenario = None if shown.rollout is None else shown.rollout.scenario
-    current: Decisions = (shown.plan.jump, shown.plan.tuning, scenario)
-    known = [current, *(pin.decisions for pin in state.pins if pin.decisions is not None)]
+    known = [
+        decisions_of(shown.rollout or shown.plan),
+        *(pin.decisions for pin in state.pins if pin.decisions is not None),
+    ]
     found = iter(
-        titles_of([(titled(jump, state.robots), tuning, scene) for jump, tuning, scene in known])
+        titles_of([(_titled(jump, state.robots), tuning, scene) for jump, tuning, scene in known])
     )
     first = next(found)
     names = [
@@ -39,6 +42,13 @@ def titles(state: TabState) -> tuple[str, ...]:
         for pin in state.pins
     ]
     return (first, *names)
+
+
+def _titled(jump: Jump, robots: Mapping[str, RobotFile]) -> Jump:
+    """The jump with its robot's title, but for the first robot, which titles leave out."""
+    if jump.robot == Jump().robot or jump.robot not in robots:
+        return jump
+    return replace(jump, robot=robots[jump.robot].title)
 
 
 def layers_of(state: TabState) -> tuple[Layer, ...]:

@@ -28,7 +28,7 @@ from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.atlas.feasible import Feasible
 from llsrbm.certificate import Certificate
-from llsrbm.look.titles import Decisions
+from llsrbm.look.titles import Decisions, decisions_of
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
@@ -73,8 +73,7 @@ class Pin:
         """Which its title is made from; None of a motion that has its file's name."""
         if isinstance(self.motion, ForeignMotion):
             return None
-        plan, rollout = self.motion.plan, self.rollout
-        return plan.jump, plan.tuning, None if rollout is None else rollout.scenario
+        return decisions_of(self.rollout or self.motion.plan)
 
 
 def free_colour(pins: tuple[Pin, ...]) -> Rgb | None:

@@ -13,9 +13,16 @@ from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import read_robot_file
+from llsrbm.robots.schema import robot_files
 
 Decisions = tuple[Jump, Tuning, Scenario | None]
 """What a title is made from; without a scenario where nothing is simulated."""
+
+WHOLE_BODY = "whole body"
+"""In place of the model, for plans that are the whole body's, whatever model they began with."""
+
+_MODELS = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 
 _ALWAYS = ("robot", "task", "model")
 _IN_WORDS = (  # fields of a scenario whose names and values alone would say too little
@@ -30,14 +37,31 @@ def title_of(jump: Jump, tuning: Tuning | None = None, scenario: Scenario | None
 
 
 def title(trajectory: Trajectory) -> str:
-    """Robot, jump and model of a motion, whatever robot it is: "go2: 90° llsrbm-plus"."""
-    jump = trajectory.jump
-    plain = replace(jump, robot=Jump().robot)
+    """Robot, jump and model of a motion, whatever robot it is: "Unitree Go2: 90° LL-SRBM+"."""
+    jump, tuning, scenario = decisions_of(trajectory)
+    task = title_of(replace(jump, robot=Jump().robot), tuning, scenario)
+    return f"{title_of_robot(jump.robot)}: {task}"
+
+
+def decisions_of(trajectory: Trajectory) -> Decisions:
+    """A motion's, with its model as in menus, or the whole body in its place."""
     if isinstance(trajectory, Plan):
-        task = title_of(plain, trajectory.tuning)
+        plan, scenario = trajectory, None
     else:
-        task = title_of(plain, trajectory.plan.tuning, trajectory.scenario)
-    return f"{Path(jump.robot).stem}: {task}"
+        plan, scenario = trajectory.plan, trajectory.scenario
+    model = WHOLE_BODY if plan.refined else title_of_model(plan.jump.model)
+    return replace(plan.jump, model=model), plan.tuning, scenario
+
+
+def title_of_model(name: str) -> str:
+    """As in menus: "LL-SRBM+"."""
+    return _MODELS.get(name, name)
+
+
+def title_of_robot(name: str) -> str:
+    """As in menus: "Unitree Go2"; of a robot that is none of the built-in ones its file's name."""
+    files = robot_files()
+    return read_robot_file(files[name]).title if name in files else Path(name).stem
 
 
 def file_words(jump: Jump) -> str:

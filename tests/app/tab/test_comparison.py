@@ -11,6 +11,7 @@ from app.tab.acts import is_enabled
 from app.tab.comparison import PinChosen
 from app.tab.rendering import picture_of
 from app.tab.state import TabState
+from llsrbm.look.titles import decisions_of
 from llsrbm.request.scenario import Scenario
 from tests.app.pure_tab import PureTab, planned_tab
 
@@ -41,7 +42,7 @@ def test_a_pin_keeps_the_motion_and_all_that_was_asked_for(tab):
     assert pin.rollout is None
     assert pin.ghost.frames is tab.state.shown.planned.frames
     assert pin.ghost.colour == pin.colour == PINNED[0]
-    assert pin.decisions == (tab.state.design.jump, tab.state.design.tuning, None)
+    assert pin.decisions == decisions_of(tab.state.plan)
 
 
 def test_a_pinned_simulation_keeps_the_scenario_it_ran_in(tab):

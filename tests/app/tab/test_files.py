@@ -297,9 +297,9 @@ def test_the_dialog_has_every_format_by_what_it_is_for(tab):
     assert "robot anymal has" in every["lowcmd"]["hindrance"]
     tab.take(Act.SIMULATE)
     tab.finish_simulation()
-    assert shown_exports(tab).motion.startswith("the simulation of anymal: 90°")
+    assert shown_exports(tab).motion.startswith("the simulation of ANYmal B: 90°")
     tab.take(replace(tab.state.export, of=PLAN))
-    assert shown_exports(tab).motion.startswith("the plan of anymal: 90°")
+    assert shown_exports(tab).motion.startswith("the plan of ANYmal B: 90°")
 
 
 def test_what_is_not_installed_says_how_to_get_it(tab, monkeypatch):

@@ -1,11 +1,14 @@
 import math
+from dataclasses import replace
 
 import pytest
 
-from llsrbm.look.titles import file_words, title_of, titles_of
+from llsrbm.look.titles import file_words, title, title_of, titles_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
+from tests.app.synthetic_plan import refined_plan, synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 TWIST = Jump(twist=math.pi / 2)
 PUSH = Push(0.4, (0, 12, 0))
@@ -82,6 +85,15 @@ def test_a_title_tells_what_was_decided(title, decisions):
 )
 def test_a_files_name_tells_the_request(words, jump):
     assert file_words(jump) == words
+
+
+def test_a_motions_title_has_robot_and_model_as_in_menus():
+    draft = synthetic_plan(replace(TWIST, robot="go2"))
+    assert title(draft) == "Unitree Go2: 90° LL-SRBM+"
+    assert title(refined_plan(draft)) == "Unitree Go2: 90° whole body"
+    assert title(synthetic_rollout(draft, seed=7)) == "Unitree Go2: 90° LL-SRBM+, seed 7"
+    mine = replace(draft, jump=Jump("/some/where/my.toml", "srbm", forward=0.2))
+    assert title(mine) == "my: 20 cm forward SRBM"
 
 
 def test_several_tell_what_differs_only():
