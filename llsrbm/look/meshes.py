@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 if TYPE_CHECKING:
     import trimesh
@@ -12,7 +13,9 @@ if TYPE_CHECKING:
 _SIMPLE = 200  # faces of a part that are kept in any case
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 _COARSE_CREASE = np.radians(60.0)  # the same of a coarse mesh, which has few vertices to split
-_COARSE_CELL = 0.035  # of the legs' length: what is smaller is one point in a coarse mesh
+_COARSE_CELL = 0.042  # of the legs' length: what is smaller is one point in a coarse mesh
+_THIN = 0.6  # share of a bar's thickness that is one point: less than all, or it is flat
+_THINNEST = 0.007  # of the legs' length: thinner bars, sheets and open shells are as all else
 
 
 def face_shares(parts: list[trimesh.Trimesh], total: int) -> list[int]:
@@ -71,25 +74,59 @@ def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     from scipy.spatial import cKDTree
 
     # Not collapsed edge by edge, which would tear thin tubes of few and long triangles.
-    mesh = _clustered(part, _COARSE_CELL * size)
+    colours = np.asarray(part.visual.vertex_colors)[:, :3]
+    piece = _pieces(part, 1e-5 * size)
+    cell = np.minimum(_THIN * _thickness(part, piece), _COARSE_CELL * size)
+    cell[cell < _THINNEST * size] = _COARSE_CELL * size
+    apart = np.column_stack([piece, colours >> 6])  # what is another colour stays so
+    mesh = _clustered(part, cell[piece, None], apart)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
     mesh = trimesh.graph.smooth_shade(mesh, angle=_COARSE_CREASE, facet_minarea=None)
     nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(mesh.vertices))[1]
-    colours = np.asarray(part.visual.vertex_colors)[nearest]
     return trimesh.Trimesh(
         mesh.vertices,
         mesh.faces,
         vertex_normals=mesh.vertex_normals,
-        vertex_colors=colours,
+        vertex_colors=colours[nearest],
         process=False,
     )
 
 
-def _clustered(mesh: trimesh.Trimesh, cell: float) -> trimesh.Trimesh:
-    """Vertices in the same cell of a grid made one, without the faces that vanish by it."""
+def _pieces(mesh: trimesh.Trimesh, cell: float) -> NDArray[np.int64]:
+    """(V,) number of the connected piece that each vertex is of; vertices in one place are one."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
+    place = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
+    a, b = place[mesh.faces[:, [0, 1, 1, 2]]].reshape(-1, 2).T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(place.max() + 1,) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1][place], dtype=np.int64)
+
+
+def _thickness(mesh: trimesh.Trimesh, piece: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(P,) m of each piece: the diameter of a bar with as much volume to its surface."""
+    of_face = piece[mesh.faces[:, 0]]
+    middle = np.array([np.bincount(piece, axis) for axis in mesh.vertices.T])
+    corners = mesh.triangles - (middle / np.bincount(piece)).T[of_face, None]
+    volume = np.einsum("fi,fi->f", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6
+    count = int(piece.max()) + 1
+    volumes, areas = (np.bincount(of_face, each, count) for each in (volume, mesh.area_faces))
+    return np.asarray(4 * np.abs(volumes) / np.maximum(areas, 1e-12))
+
+
+def _clustered(
+    mesh: trimesh.Trimesh, cell: float | NDArray[np.float64], apart: NDArray[Any] | None = None
+) -> trimesh.Trimesh:
+    """Vertices in the same cell of a grid made one, without the faces that vanish by it.
+
+    cell: m, of all or (V, 1); apart: (V, K) numbers in which those that are made one are equal.
+    """
     import trimesh
 
     cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
+    if apart is not None:
+        cells = np.column_stack([cells, apart])
     _, first, merged = np.unique(cells, axis=0, return_index=True, return_inverse=True)
     faces = merged.reshape(-1)[mesh.faces]
     a, b, c = faces.T
