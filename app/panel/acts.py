@@ -69,7 +69,7 @@ class Act(Enum):
     )
     ROBOT_SIMULATOR = Button(
         "seeds",
-        "Robot simulator",
+        "Simulate as on the robot",
         "Play the plan as on the robot: its wire's delays, sensors, an estimator, the player; the "
         "direct simulation is pinned beside it",
     )

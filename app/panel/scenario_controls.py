@@ -82,7 +82,7 @@ def _is_pushed(scenario: Scenario) -> bool:
 
 BOARD: tuple[Field[Scenario], ...] = (
     Field(
-        "Board [mm]",
+        "Board under the feet [mm]",
         "Height of a board that is slid under the robot in flight",
         get=lambda scenario: 1000 * scenario.board,
         put=_with_board,

@@ -92,6 +92,7 @@ class Status:
     outdated: bool = False  # it is of another scenario
     checks: Checks | None = None  # of the motion's certificate; None: it has none
     old: bool = False  # the figures are of the motion before the one that is computed
+    lasts: float | None = None  # s, about, what is computed; None where that is not known
 
     @property
     def html(self) -> str:
@@ -110,7 +111,7 @@ class Status:
             f"<b>{self._word}</b>{'' if self.checks is None else self.checks.html}{rest}"
             f"{f' <ul>{points}</ul>' if points else ''}"
             f"{f' <dl{old}>{figures}</dl>' if figures else ''}"
-            f"</div>{_bar(self.share, busy=self.busy)}</div>"
+            f"</div>{_bar(self.share, self.lasts, busy=self.busy)}</div>"
         )
 
     @property
@@ -149,8 +150,13 @@ def _tip(title: str) -> str:
     return f' data-tip="{escape(_MEANINGS[title])}"' if title in _MEANINGS else ""
 
 
-def _bar(share: float | None, *, busy: bool) -> str:
-    """A bar: how much is done, or where that is not known that something is; else its place."""
+def _bar(share: float | None, lasts: float | None, *, busy: bool) -> str:
+    """A bar: how much is done, or will be by now, or that something is; else its place."""
+    if share is None and lasts is not None and busy:
+        return (
+            '<div class="llsrbm-progress" role="progressbar" aria-label="Progress">'
+            f'<div class="lasts" style="animation-duration:{lasts:g}s"></div></div>'
+        )
     if share is None:
         return f'<div class="llsrbm-progress{" unknown" if busy else ""}"></div>'
     done = decimal(100 * min(max(share, 0.0), 1.0))

@@ -139,6 +139,10 @@
     @keyframes llsrbm-runs { from { background-position: -70% 0; } to { background-position: 170% 0; } }
     @media (prefers-reduced-motion: reduce) { .llsrbm-progress.unknown { animation: none; } }
     .llsrbm-progress > div { height: 100%; background: var(--mantine-primary-color-filled); }
+    .llsrbm-progress > .lasts { width: 95%; transform-origin: left;
+      animation: llsrbm-lasts linear backwards; }
+    @keyframes llsrbm-lasts { from { transform: scaleX(0); } }
+    @media (prefers-reduced-motion: reduce) { .llsrbm-progress > .lasts { width: 0; animation: none; } }
     .llsrbm-seeds { display: grid; grid-template-columns: repeat(5, 1fr); gap: 3px; margin-top: 4px;
       font-variant-numeric: tabular-nums; list-style: none; padding: 0; }
     .llsrbm-seeds > li { border: 1px solid var(--mantine-color-default-border); border-radius: 3px;

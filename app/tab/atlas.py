@@ -25,6 +25,7 @@ from llsrbm.atlas.jumps import Atlas, Axis, Jumps
 from llsrbm.atlas.map import map_of
 from llsrbm.atlas.table import read_atlas, shipped_atlas
 from llsrbm.errors import Error, InputError
+from llsrbm.look.titles import title_of_model
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
@@ -195,7 +196,8 @@ def placed(design: Design, robot: Robot, axes: Sequence[Axis]) -> dict[str, floa
 def _remarks(jumps: Jumps, jump: Jump) -> str:
     remarks = []
     if (jumps.model, jumps.type) != (jump.model, jump.type):
-        remarks.append(f"The sweep's jumps are {title_of_type(jumps.type)}, {jumps.model}.")
+        what = f"{title_of_type(jumps.type)}, {title_of_model(jumps.model)}"
+        remarks.append(f"The sweep's jumps are {what}.")
     if jumps.robot_hash != robot_hash(jump.robot):
         remarks.append("The robot's file has changed since this sweep.")
     return " ".join(remarks)

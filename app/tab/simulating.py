@@ -49,9 +49,10 @@ def take_simulation(state: TabState, event: Reported) -> Step:
     report, task = event.report, event.job.task
     assert isinstance(task, tasks.SimulateJump)
     match report:
-        case reports.Progress(text=text, share=share):
+        case reports.Progress(text=text, share=share, lasts=lasts):
             line = f"({text}) ..." if share is None else percent(share)
-            return state.with_status(Verdict.SIMULATING, line, busy=True, share=share), ()
+            state = state.with_status(Verdict.SIMULATING, line, busy=True, share=share, lasts=lasts)
+            return state, ()
         case reports.SimulatedSoFar():
             return _show_so_far(state, report, task)
         case reports.Simulated(rollout=rollout):

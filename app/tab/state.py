@@ -284,10 +284,16 @@ class TabState:
         return replace(self, files=replace(self.files, **changes))
 
     def with_status(
-        self, verdict: Verdict, rest: str, *, busy: bool = False, share: float | None = None
+        self,
+        verdict: Verdict,
+        rest: str,
+        *,
+        busy: bool = False,
+        share: float | None = None,
+        lasts: float | None = None,
     ) -> TabState:
         """With another status line; the figures of the motion before stay while one is awaited."""
-        status = Status(verdict, rest, busy, share)
+        status = Status(verdict, rest, busy, share, lasts=lasts)
         if busy and self.shown is not None:
             before = self.status
             old = verdict is Verdict.PLANNING or before.old

@@ -40,6 +40,7 @@ class Progress:
     iteration: int | None = None
     residual: float | None = None  # the largest constraint violation there, in the solver's scaling
     waiting: bool = False  # it has not begun
+    lasts: float | None = None  # s from now on, about; None where that is not known
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,9 +184,10 @@ class Talk:
         share: float | None = None,
         iteration: int | None = None,
         residual: float | None = None,
+        lasts: float | None = None,
     ) -> None:
         """Report `Progress`; cheap enough to be called often."""
-        self.send(Progress(self.job, text, share, iteration, residual))
+        self.send(Progress(self.job, text, share, iteration, residual, lasts=lasts))
 
     def so_far(self, share: float, time: Array, qpos: Array) -> None:
         """Report `SimulatedSoFar`."""

@@ -17,11 +17,14 @@ from llsrbm import errors
 from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate
 
 _log = logging.getLogger(__name__)
+
+_LOADING, _BUILDING = 4.0, 30.0  # s, about, that a solver takes
 
 ProgressListener = Callable[..., None]  # `app.workers.reports.Talk.progress`
 
@@ -45,13 +48,14 @@ class LibraryPlanner:
 
     def prepare(self, robot: str, progress: ProgressListener) -> None:
         """Compute or load everything that drawing `robot` needs."""
+        from llsrbm.look.titles import title_of_robot
         from llsrbm.look.visuals import link_visuals
         from llsrbm.robots import load_robot
 
-        progress(f"fitting the legs of {robot}")
+        progress(f"measuring the legs of {title_of_robot(robot)}")
         loaded = load_robot(robot)
         loaded.fit  # noqa: B018  # computed on first use, then kept on disk
-        progress(f"simplifying the meshes of {robot}")
+        progress(f"preparing the picture of {title_of_robot(robot)}")
         link_visuals(loaded, coarse=True)
 
     def plan(
@@ -87,12 +91,13 @@ class LibraryPlanner:
     ) -> Plan:
         """The whole body's plan from a plan, or that plan, which says that there was none."""
         from llsrbm.api import whole_body_plan
+        from llsrbm.look.titles import title_of_robot
 
         solver = tasks.solver_of(task.plan.jump)
         if solver not in self._refined:
             progress(
-                f"building the whole-body solver of {task.plan.jump.robot}: some seconds, the "
-                "first time"
+                f"building the whole-body solver of {title_of_robot(task.plan.jump.robot)}: some "
+                "seconds, the first time"
             )
             self._refined.add(solver)
         return whole_body_plan(
@@ -112,8 +117,8 @@ class LibraryPlanner:
         jump = task.plan.jump
         if task.scenario.replan and tasks.solver_of(jump) not in self._replanned:
             progress(
-                f"building the solvers that plan anew, of {jump.model} for {jump.robot}: a minute, "
-                "the first time"
+                f"building the solvers that plan anew, {_of_whom(jump)}: a minute, the first time",
+                lasts=2 * _BUILDING,
             )
             self._replanned.add(tasks.solver_of(jump))
         shown = -1
@@ -173,12 +178,23 @@ class LibraryPlanner:
         return built
 
     def _announce(self, task: tasks.PlanJump, progress: ProgressListener) -> None:
+        from llsrbm.planning.answer.planner import is_planner_built
+
         if task.needs not in self._solvers:
-            progress(
-                f"building the solver of {task.jump.model} for {task.jump.robot}: half a minute, "
-                "the first time"
-            )
+            whose = _of_whom(task.jump)
+            if is_planner_built(task.jump, task.tuning.limits):
+                progress(f"loading the solver {whose}", lasts=_LOADING)
+            else:
+                words = f"building the solver {whose}: half a minute, the first time"
+                progress(words, lasts=_BUILDING)
         self._solvers.add(task.needs)
+
+
+def _of_whom(jump: Jump) -> str:
+    """Model and robot of a jump's solver: "for Unitree Go2 by LL-SRBM+"."""
+    from llsrbm.look.titles import title_of_model, title_of_robot
+
+    return f"for {title_of_robot(jump.robot)} by {title_of_model(jump.model)}"
 
 
 def exported(task: tasks.ExportMotion) -> tuple[str, bytes]:

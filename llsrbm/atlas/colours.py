@@ -81,7 +81,7 @@ _SHARE: tuple[float, tuple[float, float]] = 100.0, (0.0, 1.0)  # shown in per ce
 COLOURS: Mapping[str, Colour] = {
     colour.name: colour
     for colour in (
-        Colour("plannable", "Plannable", "%", lambda jumps: jumps.planned, *_SHARE),
+        Colour("plannable", "Can be planned", "%", lambda jumps: jumps.planned, *_SHARE),
         Colour(
             *("strict", "Strict share", "%"),
             lambda jumps: np.where(jumps.planned > 0, jumps.strict, np.nan),

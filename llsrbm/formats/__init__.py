@@ -177,7 +177,7 @@ def _recognised(path: Path) -> Format:
         if each.recognises(path):
             return each
     raise FileFormatError(
-        f"{path}: damaged, or of no format that can be opened; expected {_openable()}"
+        f"{path}: damaged, or not a file that can be opened; expected {_openable()}"
     )
 
 

@@ -45,7 +45,7 @@ def test_controls_are_found_by_the_contracts_labels(page):
     }
     sliders = {
         "": ("Twist [deg]", "Forward [m]", "Lateral [m]", "Landing height [m]"),
-        "Scenario": ("Board [mm]",),
+        "Scenario": ("Board under the feet [mm]",),
     }
 
     def check():
@@ -61,7 +61,7 @@ def test_controls_are_found_by_the_contracts_labels(page):
 
     check()
     # Ghost and blocks are further names in viser's scene tree.
-    fill(page, "Board [mm]", 25)
+    fill(page, "Board under the feet [mm]", 25)
     press(page, "Simulate")
     status(page, "Landed")
     check()

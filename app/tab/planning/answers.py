@@ -32,7 +32,7 @@ def take_plan_report(state: TabState, event: Reported) -> Step:
             return state, ()
         line = summaries.progress_line(report.text, report.iteration)
         line = f"{state.work.instead}{line}"
-        return state.with_status(Verdict.PLANNING, line, busy=True), ()
+        return state.with_status(Verdict.PLANNING, line, busy=True, lasts=report.lasts), ()
     dragging = state.work.dragging.answered(task)
     state = learn(state, report, task).with_work(dragging=dragging)
     before = (After(REST, Rested(dragging.rest)),) if dragging.rests else ()

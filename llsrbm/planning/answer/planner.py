@@ -348,13 +348,32 @@ def planner_of(
         InputError: a whole turn about an axis about which the robot makes none.
         Cancelled: `cancelled` was true.
     """
+    own = _own(jump, solver, intervals, robot, limits)
+    return kept((Planner, *own), lambda: interruptible(partial(Planner, *own), cancelled))
+
+
+def is_planner_built(jump: Jump, limits: Mapping[str, float] | None = None) -> bool:
+    """Whether `planner_of` takes no building, but a few seconds to load at most; raises as that."""
+    robot, model, solver, layout = _own(jump, solvers.names()[0], INTERVALS, None, limits)
+    check_name(model)
+    made = make_model(model, robot, free_arms=layout.arm_joints > 0)
+    return is_built(solvers.by_name(solver), of_jumps(made, layout, robot))
+
+
+def _own(
+    jump: Jump,
+    solver: str,
+    intervals: int,
+    robot: Robot | None,
+    limits: Mapping[str, float] | None,
+) -> tuple[Robot, str, str, Layout]:
+    """What the planner of a jump is made from."""
     # Rows are of the file's drives, whatever a request says of them.
     robot = with_strength(robot or load_robot(jump.robot))
     if jump.turns:
         robot = robot.turning
         check_turns(jump, robot)
-    own = robot, jump.model, solver, layout_of(jump, robot, intervals, limits)
-    return kept((Planner, *own), lambda: interruptible(partial(Planner, *own), cancelled))
+    return robot, jump.model, solver, layout_of(jump, robot, intervals, limits)
 
 
 def planner_for(

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 import pytest
 
-from app.panel.status import Verdict
+from app.panel.status import Status, Verdict
 from app.panel.summaries import (
     drive_figures,
     plan_figures,
@@ -182,3 +182,11 @@ def test_fell_says_when_and_why(plan):
         f"at 0.95 s: first {first.words} ({first.time:.2f} s), "
         "then the base touched the ground at 0.95 s."
     )
+
+
+def test_what_takes_a_known_time_has_a_bar_that_fills_in_it():
+    building = Status(Verdict.PLANNING, "(building) ...", busy=True, lasts=30.0).html
+    assert 'class="lasts" style="animation-duration:30s"' in building
+    assert "progressbar" not in Status(Verdict.FEASIBLE, lasts=30.0).html
+    half = Status(Verdict.SIMULATING, busy=True, share=0.5, lasts=30.0).html
+    assert 'style="width:50%"' in half

@@ -116,7 +116,7 @@ def test_a_robot_that_the_sweep_has_not_is_said_and_the_choice_stays(drawn):
 def test_a_changed_robot_and_another_model_are_said(drawn):
     drawn.move(model="srbm")
     assert drawn.told == (
-        "The sweep's jumps are All feet together, llsrbm-plus. "
+        "The sweep's jumps are All feet together, LL-SRBM+. "
         "The robot's file has changed since this sweep."
     )
 

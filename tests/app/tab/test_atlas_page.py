@@ -85,8 +85,8 @@ def test_another_colour_is_explained_and_stays_with_another_robot(atlas):
     )
     legend.get_by_text("present design").wait_for()
     assert atlas.session.state.atlas.colour == "stopped-by"
-    choose(atlas, "Colour", "Plannable")
-    legend.get_by_text("Plannable [%]").wait_for()
+    choose(atlas, "Colour", "Can be planned")
+    legend.get_by_text("Can be planned [%]").wait_for()
 
 
 def test_the_map_is_shown_large_over_the_picture(atlas):

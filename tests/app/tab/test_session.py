@@ -75,7 +75,7 @@ def test_the_model_reaches_the_planner(tab, session):
 def test_a_robot_brings_its_ranges_and_its_example(tab, session):
     tab.set("Forward [m]", 0.6)
     tab.set("Model", "srbm")
-    tab.set("Board [mm]", 60)
+    tab.set("Board under the feet [mm]", 60)
     planned(tab, session, lambda jump: jump.forward == 0.6, "a plan out of SLIDER's range")
     choose(tab, session, "slider")
     file = load_robot("slider").file
@@ -91,8 +91,10 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
         assert value == pytest.approx(getattr(file.example, name), abs=0.01)
         assert getattr(session.plan.jump, name) == pytest.approx(value)
     choose(tab, session, "go2")
-    assert tab.control("Board [mm]")["props"]["max"] == 40
-    assert tab.value("Board [mm]") == 0  # what was asked of the other robot is not for this one
+    assert tab.control("Board under the feet [mm]")["props"]["max"] == 40
+    assert (
+        tab.value("Board under the feet [mm]") == 0
+    )  # what was asked of the other robot is not for this one
     assert not tab.notifications
 
 

@@ -20,7 +20,7 @@ def visible(tab, node):
 
 
 def test_a_board_is_drawn_from_mid_flight_on(tab, session, script):
-    tab.set("Board [mm]", 25)
+    tab.set("Board under the feet [mm]", 25)
     tab.set("Half board", True)
     simulate(tab, session)
     scenario = session.rollout.scenario
@@ -56,7 +56,11 @@ def test_a_fall_is_told_and_drawn(tab, session, script):
 @pytest.mark.parametrize(
     ("label", "value", "told"),
     [
-        ("Board [mm]", 999, "Board [mm]: expected 0 to 70, got 999; the nearest is taken"),
+        (
+            "Board under the feet [mm]",
+            999,
+            "Board under the feet [mm]: expected 0 to 70, got 999; the nearest is taken",
+        ),
         ("Seed", -3, "Seed: expected 0 to 9999, got -3; the nearest is taken"),
     ],
 )

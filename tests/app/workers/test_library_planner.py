@@ -11,6 +11,7 @@ from app.workers.tasks import ExportMotion, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import UnusableStart
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.answer import planner as planner_module
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -134,12 +135,20 @@ def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_moti
     assert motions == [(0.5, "times", "states")]
 
 
-def test_the_solver_is_announced_once_a_process(called):
+@pytest.mark.parametrize(
+    ("built", "announced"),
+    [
+        (True, "loading the solver for ANYmal B by LL-SRBM+"),
+        (False, "building the solver for ANYmal B by LL-SRBM+: half a minute, the first time"),
+    ],
+)
+def test_the_solver_is_announced_once_a_process(called, monkeypatch, built, announced):
+    monkeypatch.setattr(planner_module, "is_planner_built", lambda *_: built)
     told = []
     planner = LibraryPlanner()
     for _ in range(2):
-        planner.plan(PlanJump(JUMP), told.append, never)
-    assert told == ["building the solver of llsrbm-plus for anymal: half a minute, the first time"]
+        planner.plan(PlanJump(JUMP), lambda text, lasts: told.append((text, lasts > 0)), never)
+    assert told == [(announced, True)]
 
 
 def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
@@ -147,6 +156,6 @@ def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
     planner = LibraryPlanner()
     for replan in (False, True, True):
         task = SimulateJump(planned(), Scenario(replan=replan))
-        planner.simulate(task, told.append, lambda *_: None, never)
+        planner.simulate(task, lambda text, **_: told.append(text), lambda *_: None, never)
     (line,) = told
-    assert line.startswith("building the solvers that plan anew, of llsrbm-plus for anymal")
+    assert line.startswith("building the solvers that plan anew, for ANYmal B by LL-SRBM+")

@@ -59,7 +59,7 @@ def test_no_such_format_file_or_robot(whole, tmp_path):
         llsrbm.load_motion(path, robot="spot")
     with pytest.raises(FileFormatError, match="cannot be read: No such file"):
         llsrbm.load_motion(tmp_path / "none.csv")
-    with pytest.raises(FileFormatError, match="of no format that can be opened"):
+    with pytest.raises(FileFormatError, match="not a file that can be opened"):
         llsrbm.load_motion(tmp_path)
 
 
@@ -69,7 +69,7 @@ def test_files_of_no_format(tmp_path):
     with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
         archive.writestr("readme.txt", "nothing")
     for name in ("x.bvh", "x.npz", "x.zip"):
-        with pytest.raises(FileFormatError, match="of no format that can be opened; expected npz"):
+        with pytest.raises(FileFormatError, match="not a file that can be opened; expected npz"):
             llsrbm.load_motion(tmp_path / name)
 
 

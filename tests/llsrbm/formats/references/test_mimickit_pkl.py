@@ -100,5 +100,5 @@ def test_what_stands_beside(name, path):
 def test_it_is_never_opened(path):
     with pytest.raises(InputError, match='"mimickit-pkl" is written and not opened'):
         llsrbm.load_motion(path, format="mimickit-pkl")
-    with pytest.raises(InputError, match="of no format that can be opened"):
+    with pytest.raises(InputError, match="not a file that can be opened"):
         llsrbm.load_motion(path)

@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import llsrbm
+from llsrbm.errors import InputError
 from llsrbm.models import make_model
 from llsrbm.ocp import solvers
 from llsrbm.ocp.compiled import is_whole
+from llsrbm.planning.answer.planner import is_planner_built, planner_for
 from llsrbm.planning.problem.jump_horizon import make_horizon
 from llsrbm.planning.solve import solver_cache
 from llsrbm.planning.solve.jump_layout import layout_of
@@ -108,3 +110,12 @@ def test_the_first_use_does_not_wait_for_a_compiler_and_later_ones_take_its_work
     assert not compiled(cached_solver(solvers.by_name("ipopt"), cart))
     monkeypatch.setenv("LLSRBM_COMPILE", "0")
     assert not compiled(cached_solver(fatrop, cart))
+
+
+def test_it_is_known_before_whether_a_planner_has_to_be_built(monkeypatch, tmp_path):
+    planner_for("anymal", "srbm")
+    assert is_planner_built(Jump(model="srbm", twist=0.3))
+    monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
+    assert not is_planner_built(Jump(model="srbm", twist=0.3))
+    with pytest.raises(InputError, match="valid: srbm, llsrbm"):
+        is_planner_built(Jump(model="other"))
