@@ -367,7 +367,7 @@ def _own(
     robot: Robot | None,
     limits: Mapping[str, float] | None,
 ) -> tuple[Robot, str, str, Layout]:
-    """What the planner of a jump is made from."""
+    """All that the planner of a jump is made from."""
     # Rows are of the file's drives, whatever a request says of them.
     robot = with_strength(robot or load_robot(jump.robot))
     if jump.turns:
