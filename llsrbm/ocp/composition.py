@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import casadi as ca
 
 from llsrbm.abandon import go_on
+from llsrbm.ocp.derivatives import Derivatives, nonzeros
 from llsrbm.ocp.lifting import Lifting
 
 
@@ -37,21 +38,19 @@ class Derived:
         """`output`: expressions that may hold what `lift`, of these variables, has marked."""
         self.name = name
         output = ca.densify(ca.vec(output))
-        weights = ca.SX.sym("ybar", output.shape[0])
-        J, H = lift.jacobian(output), lift.hessian(ca.dot(weights, output))
+        inner = Derivatives(name, lift, [numbers], output)
+        ybar = ca.SX.sym("ybar", output.shape[0])
+        values, J = inner.jacobian(variables, numbers)
+        H = inner.hessian(variables, numbers, ybar)
         self.slope_pattern, self.bend_pattern = J.sparsity(), H.sparsity()
 
         def function(kind: str, arguments: list[Any], results: list[Any]) -> ca.Function:
             go_on()
-            ends = [0]
-            for each in results:
-                ends.append(ends[-1] + each.shape[0])
-            outputs = ca.vertsplit(lift.resolve(ca.vertcat(*results)), ends)
-            return ca.Function(f"{name}_{kind}", arguments, outputs, {"cse": True})
+            return ca.Function(f"{name}_{kind}", arguments, results, {"cse": True})
 
-        self.value = function("y", [variables, numbers], [output])
-        self.slope = function("dy", [variables, numbers], [output, _nonzeros(J)])
-        self.bend = function("ddy", [variables, numbers, weights], [_nonzeros(H)])
+        self.value = function("y", [variables, numbers], [ca.densify(lift.resolve(output))])
+        self.slope = function("dy", [variables, numbers], [values, nonzeros(J)])
+        self.bend = function("ddy", [variables, numbers, ybar], [nonzeros(H)])
 
     @property
     def width(self) -> int:
@@ -229,7 +228,3 @@ def _gathered(sources: Sequence[Any], parts: Sequence[Part]) -> Any:
         whole = part.size == values.shape[0]
         pieces.append(values if whole else values[part.start : part.stop, :])
     return pieces[0] if len(pieces) == 1 else ca.vertcat(*pieces)
-
-
-def _nonzeros(matrix: Any) -> Any:
-    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from llsrbm.abandon import go_on
 from llsrbm.ocp.composition import Composed
+from llsrbm.ocp.derivatives import Derivatives
 from llsrbm.ocp.horizon import StageExpressions
 
 # Below this number of stages decoding scalar instructions costs less than calling vector ones.
@@ -66,31 +66,30 @@ def _of_expressions(name: str, stage: StageExpressions, initial: bool) -> StageF
     gap = ca.SX(0, 1) if stage.next_state is None else -stage.next_state
     g = ca.densify(ca.vertcat(gap, *(expression for _, expression in rows)))
 
-    lam_f, lam = ca.SX.sym("lam_f"), ca.SX.sym("lam", g.shape[0])
-    J = stage.lift.jacobian(g)
-    gradient = ca.densify(stage.lift.jacobian(stage.cost).T)
-    H = ca.triu2symm(ca.triu(stage.lift.hessian(lam_f * stage.cost + ca.dot(lam, g))))
-    gap_before = ca.SX(0, z.numel())
-    if not initial:
-        gap_before = ca.horzcat(
-            ca.SX.eye(stage.states), ca.SX(stage.states, z.numel() - stage.states)
-        )
-    J = ca.vertcat(gap_before, J)
+    inner = Derivatives(name, stage.lift, [p, s], ca.vertcat(stage.cost, g))
+    values = stage.lift.resolve(ca.vertcat(stage.cost, g))
+    cost, constraints = ca.vertsplit(values, [0, 1, values.shape[0]])
+    inputs = [z, p, s]
+    in_numbers = [ca.MX.sym(each, x.numel()) for each, x in zip("zps", inputs, strict=True)]
+    lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam", g.shape[0])
+    outputs, J = inner.jacobian(*in_numbers)
+    J = ca.vertcat(_gap_before(stage.states, z.numel(), initial), J[1:, :])
+    H = inner.hessian(*in_numbers, ca.vertcat(lam_f, lam))
 
-    def function(kind: str, arguments: list[Any], results: list[ca.SX]) -> ca.Function:
+    def function(kind: str, arguments: list[Any], results: list[Any]) -> ca.Function:
         go_on()
-        # One substitution for all results of a function keeps what they share shared.
-        joined = stage.lift.resolve(ca.vertcat(*results))
-        split = np.cumsum([0, *(r.shape[0] for r in results)]).tolist()
-        outputs = ca.vertsplit(joined, split)
-        return ca.Function(f"{name}_{kind}", arguments, outputs, {"cse": True})
+        return ca.Function(f"{name}_{kind}", arguments, results)
+
+    def of_scalars(kind: str, result: ca.SX) -> ca.Function:
+        go_on()
+        return ca.Function(f"{name}_{kind}", inputs, [result], {"cse": True})
 
     return StageFunctions(
-        cost=function("f", [z, p, s], [stage.cost]),
-        constraints=function("g", [z, p, s], [g]),
-        gradient=function("df", [z, p, s], [gradient]),
-        jacobian=function("dg", [z, p, s], [g, _nonzeros(J)]),
-        hessian=function("h", [z, p, s, lam_f, lam], [_nonzeros(H)]),
+        cost=of_scalars("f", cost),
+        constraints=of_scalars("g", constraints),
+        gradient=of_scalars("df", ca.densify(ca.gradient(cost, z))),
+        jacobian=function("dg", in_numbers, [outputs[1:], ca.vec(J.nz[:])]),
+        hessian=function("h", [*in_numbers, lam_f, lam], [ca.vec(H.nz[:])]),
         jacobian_pattern=J.sparsity(),
         hessian_pattern=H.sparsity(),
         states=stage.states,
@@ -100,6 +99,11 @@ def _of_expressions(name: str, stage: StageExpressions, initial: bool) -> StageF
     )
 
 
+def _gap_before(states: int, width: int, initial: bool) -> Any:
+    """The identity of the gap that ends in a stage; none in the first."""
+    return ca.MX(0, width) if initial else ca.MX.eye(width)[:states, :]
+
+
 def _of_composed(name: str, stage: Composed, initial: bool) -> StageFunctions:
     calls, gap = stage.calls, 0 if stage.next_state is None else stage.states
     z, width = calls.variables, calls.start.size
@@ -107,8 +111,7 @@ def _of_composed(name: str, stage: Composed, initial: bool) -> StageFunctions:
     lam_f, lam = ca.MX.sym("lam_f"), ca.MX.sym("lam", gap + stage.rows.size)
     sign = ca.vertcat(-ca.DM.ones(gap), ca.DM.ones(stage.rows.size))
     g, J = calls.jacobian(parts)
-    before = ca.horzcat(ca.MX.eye(stage.states), ca.MX(stage.states, width - stage.states))
-    J = ca.vertcat(*([] if initial else [before]), ca.mtimes(ca.diag(sign), J))
+    J = ca.vertcat(_gap_before(stage.states, width, initial), ca.mtimes(ca.diag(sign), J))
     weights = ca.vertsplit(sign * lam, [0, gap, gap + stage.rows.size])[-len(parts) :]
     H = calls.hessian([(stage.cost, lam_f), *zip(parts, weights, strict=True)])
 
@@ -121,18 +124,14 @@ def _of_composed(name: str, stage: Composed, initial: bool) -> StageFunctions:
         cost=function("f", [calls.of(stage.cost)]),
         constraints=function("g", [stage.constraints()]),
         gradient=function("df", [calls.gradient(stage.cost)]),
-        jacobian=function("dg", [sign * g, J.nz[:]]),
-        hessian=function("h", [H.nz[:]], lam_f, lam),
+        jacobian=function("dg", [sign * g, ca.vec(J.nz[:])]),
+        hessian=function("h", [ca.vec(H.nz[:])], lam_f, lam),
         jacobian_pattern=J.sparsity(),
         hessian_pattern=H.sparsity(),
         states=stage.states,
         gap=gap,
         equality=(True,) * gap + stage.equality,
     )
-
-
-def _nonzeros(matrix: ca.SX) -> ca.SX:
-    return ca.vertcat(*matrix.nonzeros()) if matrix.nnz() else ca.SX(0, 1)
 
 
 def mapped(function: ca.Function, count: int, *arguments: Any) -> list[Any]:

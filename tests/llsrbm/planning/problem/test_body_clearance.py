@@ -11,6 +11,7 @@ import pytest
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
 from llsrbm.models import make_model
+from llsrbm.ocp.derivatives import Derivatives
 from llsrbm.planning.problem.clearance_profile import (
     RAMP,
     clearance_parameters,
@@ -50,8 +51,10 @@ def rows_at(name, knot):
     symbols = parameter_symbols(layout)
     stage = Stage(layout.roles[knot], layout, model, symbols)
     rows = BodyClearance().rows(stage)
-    slope = stage.lift.resolve(stage.lift.jacobian(rows))
-    inputs = [stage.variables, stage.local, *symbols.values()]
+    numbers = [stage.local, *symbols.values()]
+    slopes = Derivatives("rows", stage.lift, numbers, rows)
+    _, slope = slopes.jacobian(stage.variables, *numbers)
+    inputs = [stage.variables, *numbers]
     evaluate = ca.Function("rows", inputs, [stage.lift.resolve(rows), slope])
     values = parameters(layout, task)
     phase = int(layout.phase[knot])
