@@ -18,6 +18,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.body.efforts import inverse_dynamics, of_contacts
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.realised import realised_states
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
@@ -142,17 +143,13 @@ def _states(motion: WholeBodyMotion) -> tuple[Array, Array]:
     return pinocchio_states(motion.qpos, motion.qvel)
 
 
-def _acceleration(before: WholeBodyMotion, after: WholeBodyMotion) -> Array:
-    """(K, nv): Pinocchio's are the derivatives of its velocities, in the base's axes."""
-    difference: Array = (_states(after)[1] - _states(before)[1]) / (2 * _STEP)
-    return difference
-
-
 def _of_plan(plan: Plan, robot: Robot) -> SampledMotion:
     times = _instants(plan.time, both_sides=True)
-    before, at, after = (motion_at(plan, times + step) for step in (-_STEP, 0.0, _STEP))
+    (_, before), (q, v), (_, after) = (
+        realised_states(plan, robot, at) or _states(motion_at(plan, at))
+        for at in (times - _STEP, times, times + _STEP)
+    )
     sampled = resample(plan, times)
-    q, v = _states(at)
     feet = (len(times), len(robot.legs), -1, 3)
     return SampledMotion(
         source=plan,
@@ -161,8 +158,8 @@ def _of_plan(plan: Plan, robot: Robot) -> SampledMotion:
         time=times,
         q=q,
         v=v,
-        a=_acceleration(before, after),
-        contact=at.contact,
+        a=(after - before) / (2 * _STEP),
+        contact=sampled.contact.astype(bool),
         points=sampled.contact_point.reshape(feet),
         forces=sampled.contact_force.reshape(feet),
         recorded_torque=None,
@@ -175,9 +172,9 @@ def _of_rollout(rollout: Rollout) -> SampledMotion:
     robot = robot_of(rollout)
     times = _instants(rollout.time, both_sides=False)
     before, at, after = (motion_at(rollout, times + step) for step in (-_STEP, 0.0, _STEP))
+    (_, slower), (q, v), (_, faster) = map(_states, (before, at, after))
     assert at.foot_force is not None
     assert at.pressed_at is not None
-    q, v = _states(at)
     return SampledMotion(
         source=rollout,
         robot=robot,
@@ -185,7 +182,8 @@ def _of_rollout(rollout: Rollout) -> SampledMotion:
         time=times,
         q=q,
         v=v,
-        a=_acceleration(before, after),
+        # Pinocchio's accelerations are the derivatives of its velocities, in the base's axes.
+        a=(faster - slower) / (2 * _STEP),
         contact=at.contact,
         points=at.pressed_at[:, :, None],
         forces=at.foot_force[:, :, None],

@@ -64,16 +64,31 @@ def realised(plan: Plan, robot: Robot, times: Array) -> Plan:
         InputError: a time is not finite.
     """
     plain = resample(plan, times)
-    if not plan.solved or plan.joint_velocity is None:
-        return plain
-    body = _body(plan, robot)
-    if not body.fits:
+    body = _body_that_fits(plan, robot)
+    if body is None:
         return plain
     found: dict[str, Any] = body.at(Interpolation.of(plan.time, plain.time))
     back = [robot.joint_names.index(name) for name in plan.joint_names]
     for name in ("joint_position", "joint_velocity"):
         found[name] = found[name][:, back]
     return replace(plain, **found)
+
+
+def realised_states(plan: Plan, robot: Robot, times: Array) -> tuple[Array, Array] | None:
+    """Pinocchio's coordinates (K, nq) and velocities (K, nv) of a refined plan's body, joints in
+    the robot's order, at times (K,) s; None of other plans, whose states `realised` has.
+    """
+    body = _body_that_fits(plan, robot)
+    if not isinstance(body, _ByStates):
+        return None
+    return body.states(Interpolation.of(plan.time, times))
+
+
+def _body_that_fits(plan: Plan, robot: Robot) -> _ByMomentum | _ByStates | None:
+    if not plan.solved or plan.joint_velocity is None:
+        return None
+    body = _body(plan, robot)
+    return body if body.fits else None
 
 
 @lru_cache(maxsize=4)
@@ -125,27 +140,31 @@ class _ByStates(_Body):
             np.hstack([plan.base_position, q]), np.hstack([velocity, v]), self._dt
         )
 
-    def at(self, instants: Interpolation) -> dict[str, Array]:
+    def states(self, instants: Interpolation) -> tuple[Array, Array]:
+        """Pinocchio's coordinates (K, nq) and velocities (K, nv)."""
         k, share = instants.left, instants.share
         moving = ~instants.outside[:, None]
         quat, rate = self._turns.at(k, share)
         places, slopes = self._states.at(k, share), self._states.slopes(k, share) * moving
-        R, rate = rotation_matrices(quat), rate * moving
-        velocity = apply(np.swapaxes(R, -1, -2), slopes[:, :3])
+        velocity = apply(np.swapaxes(rotation_matrices(quat), -1, -2), slopes[:, :3])
         q = np.hstack([places[:, :3], quat[:, [1, 2, 3, 0]], places[:, 3:]])
-        v = np.hstack([velocity, rate, slopes[:, 3:]])
+        return q, np.hstack([velocity, rate * moving, slopes[:, 3:]])
+
+    def at(self, instants: Interpolation) -> dict[str, Array]:
+        q, v = self.states(instants)
+        quat = q[:, [6, 3, 4, 5]]
         com, inertia, momentum = centroidal_states(self._robot.model, q, v)
         return {
             "com": com,
             "com_velocity": momentum[:, :3] / self._robot.mass,
             "base_quat": quat,
-            "base_position": places[:, :3],
-            "angular_velocity": apply(R, rate),
+            "base_position": q[:, :3],
+            "angular_velocity": apply(rotation_matrices(quat), v[:, 3:6]),
             "linear_momentum": momentum[:, :3],
             "angular_momentum": momentum[:, 3:],
             "inertia": inertia,
-            "joint_position": places[:, 3:],
-            "joint_velocity": slopes[:, 3:],
+            "joint_position": q[:, 7:],
+            "joint_velocity": v[:, 6:],
         }
 
 
