@@ -126,6 +126,11 @@ def load(compiler: Compiler) -> None:
             _log.warning("a function of Fatrop's stays as it is: %s", error)
 
 
+def is_loaded() -> bool:
+    """True if endless searches are given up."""
+    return bool(_loaded)
+
+
 def given_up() -> int:
     """Number of solves of this process whose search for a direction was ended."""
     return sum(ctypes.c_int.in_dll(library, "given_up").value for library in _loaded)

@@ -6,12 +6,22 @@ Adding one is one module here, and its class in `_SOLVERS`.
 from __future__ import annotations
 
 from llsrbm.ocp.fatrop_patches import WITHIN
-from llsrbm.ocp.solvers.base import FROM_GUESS, SolveOptions, Solver
+from llsrbm.ocp.solvers.base import FROM_GUESS, MAX_FOLLOW_MISS, SolveOptions, Solver
 from llsrbm.ocp.solvers.fatrop import Fatrop
 from llsrbm.ocp.solvers.ipopt import Ipopt
 from llsrbm.request.messages import look_up
 
-__all__ = ["FROM_GUESS", "WITHIN", "Fatrop", "Ipopt", "SolveOptions", "Solver", "by_name", "names"]
+__all__ = [
+    "FROM_GUESS",
+    "MAX_FOLLOW_MISS",
+    "WITHIN",
+    "Fatrop",
+    "Ipopt",
+    "SolveOptions",
+    "Solver",
+    "by_name",
+    "names",
+]
 
 _SOLVERS: dict[str, type[Solver]] = {solver.name: solver for solver in (Fatrop, Ipopt)}
 

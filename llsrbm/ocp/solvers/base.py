@@ -197,6 +197,11 @@ class Solver(ABC):
             message="too far from a solution to begin",
         )
 
+    @property
+    def gives_up(self) -> bool:
+        """False if a search for a direction may go on for ever."""
+        return True
+
     @abstractmethod
     def _solver_from_guesses(self, options: SolveOptions) -> ca.Function:
         pass

@@ -10,6 +10,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.fatrop_patches import LARGEST_SCALE, WITHIN
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import printed_into
@@ -121,6 +122,11 @@ class Fatrop(Solver):
             "ubg": scale * upper,
         }
         return self._run(solver, problem, arguments, scale)
+
+    @property
+    def gives_up(self) -> bool:
+        """True with the patches that make it do so."""
+        return fatrop_patches.is_loaded()
 
     def _outcome(self, stats: dict[str, Any]) -> tuple[bool, int]:
         fatrop = stats["fatrop"]  # nlpsol does not count what is acceptable as a success

@@ -9,7 +9,9 @@ import pytest
 import llsrbm
 from llsrbm import api
 from llsrbm.certificate import certified
+from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.ocp.solvers import Fatrop
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.whole_body import learned
 from llsrbm.planning.whole_body.grid import Grid
@@ -154,3 +156,31 @@ def test_what_had_no_draft_starts_no_draft():
     draft = llsrbm.plan(Jump(robot=ROBOT, twist=0.42, forward=0.1), near=near, draft=True)
     assert draft.solved
     assert draft.report.guess == "from the analytic guess"
+
+
+def test_without_patches_only_near_starts_are_begun_from(monkeypatch):
+    """Of this one, which misses by 0.75, a solver that never gives up did not come back."""
+    far = Jump(
+        robot="slider",
+        twist=-0.5396402974272445,
+        forward=0.2962278526402172,
+        lateral=0.11704523110979032,
+        height=0.29620445808865703,
+    )
+    begun = []
+
+    def follow(solver, problem, start, max_miss, acceptable):
+        begun.append((solver.miss(problem, start.variables), max_miss))
+        raise StopFollowing
+
+    monkeypatch.setattr(Fatrop, "follow", follow)
+    for loaded in (False, True):
+        monkeypatch.setattr(fatrop_patches, "is_loaded", lambda loaded=loaded: loaded)
+        with pytest.raises(StopFollowing):
+            planned(make_task(far, load_robot("slider")), load_robot("slider"), (16, 16, 16))
+    (miss, sure), (_, bold) = begun
+    assert sure < miss < bold
+
+
+class StopFollowing(Exception):
+    """Ends a solve as it begins."""
