@@ -18,8 +18,8 @@ compiler (52 MB of C for the robots' problem) to become bearable. Six steps, eac
 3. Stage functions (`stage_functions`). Stages of one family, such as all the inner ones of a
    phase, are differentiated once, into functions of one stage's variables that give the non-zeros
    of its own part of the derivatives. Numbers in which they differ are parameters of their own.
-4. Batching (`stage_functions`). Of cost and rows each instruction of CasADi's virtual machine
-   becomes one operation on a vector with an element a stage, and is decoded once.
+4. Batching (`stage_functions`). Each instruction of CasADi's virtual machine that a cost or the
+   rows need becomes one operation on a vector with an element a stage, and is decoded once.
 5. Transcription (`transcription`). Multiple shooting: a stage's rows hold only its own variables
    and, in the gap x_next - F, the identity on the next stage's states. So the problem's derivatives
    are the stages' non-zeros put one behind the other, small enough to be kept on disk as text.
