@@ -2,6 +2,7 @@
 // tried it says how far they are; then one sentence on who turned how far, and a table of figures.
 (() => {
   const { page, element, addToPage } = window.llsrbm;
+  const COMPARES = "data-llsrbm-compares"; // of the page, while the card is there
   const HIGH = 1000; // pixels of a window from which on the table is open at first
 
   const STYLE = `
@@ -22,7 +23,11 @@
     #llsrbm-compare thead th { font-weight: 600; }
     #llsrbm-compare tbody th { text-align: left; padding-left: 0; }
     #llsrbm-compare .close { position: absolute; top: 0; right: 0; min-width: 28px; min-height: 26px; }
-    @media (prefers-reduced-motion: reduce) { #llsrbm-compare .busy > i { animation: none; } }`;
+    @media (prefers-reduced-motion: reduce) { #llsrbm-compare .busy > i { animation: none; } }
+    /* On a phone the robots side by side are what there is to see. */
+    @media (max-width: 640px) {
+      #llsrbm-compare { max-height: 17vh; }
+      [${COMPARES}] [data-llsrbm-sheet] { max-height: 24vh !important; } }`;
 
   const close = () => page.send({ kind: "comparison-closed" });
   let open = null; // whether the table is, once it was opened or closed by hand
@@ -58,6 +63,7 @@
     // null: nothing is compared (app/tab/contenders.py, `card`).
     show(comparison) {
       card.style.display = comparison ? "" : "none";
+      document.documentElement.toggleAttribute(COMPARES, Boolean(comparison));
       if (!comparison) return card.replaceChildren();
       const { ways, note, sentence, rows } = comparison;
       card.replaceChildren(

@@ -19,7 +19,8 @@
     #llsrbm-transport button[aria-pressed=true] { background: var(--mantine-primary-color-light); }
     #llsrbm-transport .time { font-variant-numeric: tabular-nums; min-width: 8.5em; }
     #llsrbm-transport .events { opacity: 0.75; flex: 1; min-width: 12em; white-space: nowrap;
-      overflow: hidden; text-overflow: ellipsis; }`;
+      overflow: hidden; text-overflow: ellipsis; }
+    @media (max-width: 640px) { #llsrbm-transport .events { display: none; } } /* the timeline has them */`;
 
   const button = (label, key, sign, onclick) => element("button",
     { type: "button", "aria-label": label, title: key ? `${label} (${key})` : label, onclick }, sign);

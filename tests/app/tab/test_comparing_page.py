@@ -7,6 +7,7 @@ import re
 import pytest
 
 from tests.app.chromium import press
+from tests.app.legibility import unreadable
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
 
@@ -36,4 +37,17 @@ def test_one_press_on_a_fresh_page_leads_to_a_sentence_with_figures(browser, des
     wait_until(lambda: page.session.state.comparing is None, "the server")
     card.wait_for(state="hidden")
     assert not page.faults
+    page.context.close()
+
+
+def test_on_a_phone_the_robots_have_room_above_the_card(browser, designer):
+    page = visit(browser, designer, {"width": 390, "height": 844})
+    press(page, "Compare models")
+    card = page.get_by_role("region", name="Comparison")
+    card.locator("p").filter(has_text=re.compile(r"^At touchdown")).wait_for(timeout=60_000)
+    wait_until(lambda: card.bounding_box()["y"] > 300, "room for the picture")
+    page.evaluate("llsrbm.player.pause()")
+    page.locator(".mantine-Notification-closeButton").click()  # viser's, on software drawing
+    page.locator(".mantine-Notification-root").wait_for(state="detached")
+    assert unreadable(page) == []
     page.context.close()
