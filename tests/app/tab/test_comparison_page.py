@@ -20,7 +20,7 @@ def test_what_is_pinned_is_a_chip_over_the_picture(page):
     wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")
     status(page, "Feasible")
     assert chips.locator(".name").all_inner_texts() == [
-        "90° + 30 cm forward LL-SRBM+", "90° LL-SRBM+"
+        "90° + 30 cm forward whole body", "90° whole body"
     ]  # fmt: skip
     # At the top right of the picture, and clear of the camera's buttons.
     canvas, box = page.locator("canvas").first.bounding_box(), chips.bounding_box()
@@ -37,8 +37,8 @@ def test_what_is_pinned_is_a_chip_over_the_picture(page):
     )
     press(page, "Side by side")
     wait_until(lambda: not session.state.beside, "the server")
-    press(page, "Use 90° LL-SRBM+")
+    press(page, "Use 90° whole body")
     wait_until(lambda: session.plan.jump.forward == 0, "the pinned design")
-    press(page, "Unpin 90° LL-SRBM+")
+    press(page, "Unpin 90° whole body")
     wait_until(lambda: not session.state.pins, "no pin")
     chips.wait_for(state="hidden")
