@@ -38,7 +38,7 @@ MOST_PROCESSES = 64
 CANCEL_GRACE = 0.15
 # How long a patient plan may go on when its tab wants something newer, s: longer than most take.
 SUPERSEDED_GRACE = 0.3
-# How long the job of a tab that has gone may go on, s: a solver that is being built (half a minute)
+# How long the job of a tab that has gone may go on, s: a solver that is being built (G1's: half a minute)
 # will be of use, a hung one never.
 FORGOTTEN_GRACE = 60.0
 CLOSE_PATIENCE = 5.0  # s that closing may take

@@ -2,7 +2,7 @@
 
 Those of nearer jumps, for as soon as a request is not feasible, of jumps whose apex is dragged, and
 those that plan anew in flight.
-They take half a minute each, once on a machine. The process ends with the one that asked for it.
+They take some ten seconds each, once on a machine. The process ends with the one that asked for it.
 """
 
 from __future__ import annotations

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _log = logging.getLogger(__name__)
 
-_LOADING, _BUILDING = 4.0, 30.0  # s, about, that a solver takes
+_LOADING, _BUILDING = 4.0, 10.0  # s, about, that a solver takes
 
 ProgressListener = Callable[..., None]  # `app.workers.reports.Talk.progress`
 
@@ -117,8 +117,8 @@ class LibraryPlanner:
         jump = task.plan.jump
         if task.scenario.replan and tasks.solver_of(jump) not in self._replanned:
             progress(
-                f"building the solvers that plan anew, {_of_whom(jump)}: a minute, the first time",
-                lasts=2 * _BUILDING,
+                f"building the solvers that plan anew, {_of_whom(jump)}: half a minute, the first time",
+                lasts=3 * _BUILDING,
             )
             self._replanned.add(tasks.solver_of(jump))
         shown = -1
@@ -185,7 +185,7 @@ class LibraryPlanner:
             if is_planner_built(task.jump, task.tuning.limits):
                 progress(f"loading the solver {whose}", lasts=_LOADING)
             else:
-                words = f"building the solver {whose}: half a minute, the first time"
+                words = f"building the solver {whose}: ten seconds, the first time"
                 progress(words, lasts=_BUILDING)
         self._solvers.add(task.needs)
 

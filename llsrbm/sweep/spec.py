@@ -144,7 +144,7 @@ class Dimension:
         """Refuse an axis that makes no sense in its place."""
         of_jump, axis, place = self.where == "axes", self.axis, f"{self.where}.{self.key}"
         if self.where == "drives" and (axis.values is None or min(axis.values) <= 0):
-            # Each has solvers of its own, which take half a minute to build.
+            # Each has solvers of its own, which take some ten seconds to build.
             raise fault(f"{place}: expected a list of factors above 0, such as [0.8, 1, 1.2]")
         if axis.values is None:
             if of_jump and self.name in COUNTED:

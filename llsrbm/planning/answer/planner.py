@@ -272,7 +272,7 @@ class Planner:
         settle: bool = False,
         cancelled: Callable[[], bool] | None = None,
     ) -> None:
-        """Load or build the solver of nearer jumps, which takes half a minute the first time.
+        """Load or build the solver of nearer jumps, which takes some ten seconds the first time.
 
         `settle`: and wait until it is compiled. Raises `Cancelled`: `cancelled` was true.
         """

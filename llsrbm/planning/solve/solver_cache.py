@@ -1,4 +1,4 @@
-"""Solvers are built once on a machine, half a minute each: the cache has text and a library."""
+"""Solvers are built once on a machine, some ten seconds each: the cache has text and a library."""
 
 from __future__ import annotations
 

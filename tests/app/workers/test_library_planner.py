@@ -139,7 +139,7 @@ def test_a_simulation_gets_its_scenario_and_reports_whole_per_cents_and_the_moti
     ("built", "announced"),
     [
         (True, "loading the solver for ANYmal B by LL-SRBM+"),
-        (False, "building the solver for ANYmal B by LL-SRBM+: half a minute, the first time"),
+        (False, "building the solver for ANYmal B by LL-SRBM+: ten seconds, the first time"),
     ],
 )
 def test_the_solver_is_announced_once_a_process(called, monkeypatch, built, announced):
