@@ -38,8 +38,8 @@ MOST_PROCESSES = 64
 CANCEL_GRACE = 0.15
 # How long a patient plan may go on when its tab wants something newer, s: longer than most take.
 SUPERSEDED_GRACE = 0.3
-# How long the job of a tab that has gone may go on, s: a solver that is being built (G1's: half a minute)
-# will be of use, a hung one never.
+# How long the job of a tab that has gone may go on, s: a solver that is being built (of G1 half a
+# minute) will be of use, a hung one never.
 FORGOTTEN_GRACE = 60.0
 CLOSE_PATIENCE = 5.0  # s that closing may take
 _DRAIN = 1.0  # s for reports that are under way when the pool closes

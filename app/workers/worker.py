@@ -117,7 +117,8 @@ class LibraryPlanner:
         jump = task.plan.jump
         if task.scenario.replan and tasks.solver_of(jump) not in self._replanned:
             progress(
-                f"building the solvers that plan anew, {_of_whom(jump)}: half a minute, the first time",
+                f"building the solvers that plan anew, {_of_whom(jump)}: half a minute, "
+                "the first time",
                 lasts=3 * _BUILDING,
             )
             self._replanned.add(tasks.solver_of(jump))
