@@ -15,8 +15,8 @@ compiler, and a solver calls it when it is made; `LLSRBM_COMPILE=0` switches it 
 The linker takes the first definition of a name, so both have to be loaded before Fatrop is.
 
 Without them nothing ends Fatrop's search. Limits on rows and scales (below, `MAX_GUESS_MISS` and
-`MAX_FOLLOW_MISS` of `llsrbm.ocp.solvers`) keep solves away from such slopes, in all known cases but
-a few; what must end runs in a process that can be killed.
+`MAX_FOLLOW_MISS` of `llsrbm.ocp.solvers`, `SURE_MISS` of the whole body's rounds) keep solves away
+from such slopes, in all known cases but a few; what must end runs in a process that can be killed.
 """
 
 from __future__ import annotations
