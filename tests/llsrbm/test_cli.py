@@ -161,7 +161,8 @@ def test_a_signal_ends_a_command_that_still_begins_without_a_word(command, after
     time.sleep(after)
     os.killpg(process.pid, number)
     _, err = process.communicate(timeout=60)
-    assert err == b""
+    # On a quick machine the server has begun by then, and says at what.
+    assert [line for line in err.splitlines() if not line.endswith(b" ...")] == []
     assert process.returncode in ((130, 0) if number == signal.SIGINT else (-number, 0))
 
 

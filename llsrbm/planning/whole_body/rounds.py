@@ -32,8 +32,8 @@ FROM_FAR = SolveOptions(mu=1e-2, iterations=80, push=0.01, acceptable=(5e-3, 4),
 LOOK = replace(FROM_FAR, iterations=12)  # after so many distances are measured again
 NEARER = replace(FROM_FAR, mu=1e-3)
 NEAR = replace(FROM_FAR, mu=1e-4, iterations=60)
-# Largest miss of a start from which a solver that never gives up is let begin: one at 0.75 never came
-# back, below this none is known that did not.
+# Largest miss of a start from which a solver that never gives up is let begin: one at 0.75 never
+# came back, below this none is known that did not.
 SURE_MISS = 0.5
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6

@@ -82,7 +82,7 @@ class TestVideo:
     def test_it_says_what_it_is(self, video, motion):
         with av.open(str(video)) as container:
             said = container.metadata
-        assert said["title"].startswith("go2: ")
+        assert said["title"].startswith("Unitree Go2: ")
         assert json.loads(said["comment"])["request"] == motion.plan.jump.as_dict()
 
     def test_the_robot_moves(self, video):
