@@ -78,9 +78,12 @@ def realised_states(plan: Plan, robot: Robot, times: Array) -> tuple[Array, Arra
     """Pinocchio's coordinates (K, nq) and velocities (K, nv) of a refined plan's body, joints in
     the robot's order, at times (K,) s; None of other plans, whose states `realised` has.
     """
-    body = _body_that_fits(plan, robot)
-    if not isinstance(body, _ByStates):
+    if not plan.refined or sorted(plan.joint_names) != sorted(robot.joint_names):
         return None
+    body = _body_that_fits(plan, robot)
+    if body is None:
+        return None
+    assert isinstance(body, _ByStates)
     return body.states(Interpolation.of(plan.time, times))
 
 

@@ -169,7 +169,7 @@ class TestSizes:
         assert "too many files" in said_of(bytes(content), tmp_path)
         assert npz.keys(path) == frozenset()
         assert not recognises(path)
-        with pytest.raises(FileFormatError, match="no format that can be opened"):
+        with pytest.raises(FileFormatError, match="not a file that can be opened"):
             load_motion(path, "anymal")
         assert time.process_time() - began < 2.0
 
