@@ -31,6 +31,8 @@ from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
 
+FINER = 1.5  # times as many intervals where a certificate does not hold
+
 
 def plan(
     jump: Jump,
@@ -148,14 +150,23 @@ def whole_body_plan(
 ) -> Plan:
     """The whole body's plan of a draft that converged, with its certificate.
 
-    Where none is found it is the draft, without one; its `refinement` says so. `guesses`: as for
-    `plan`.
+    Where the certificate does not hold it is planned again with more intervals: of what holds at
+    their nodes less is missed between. Where no plan is found it is the draft, without a
+    certificate; its `refinement` says so. `guesses`: as for `plan`.
 
     Raises:
         Cancelled: `cancelled` was true.
     """
-    found = refined(draft, learned=guesses, cancelled=cancelled, progress=progress)
-    return _checked(found, cancelled, progress) if found.refined else found
+    how: dict[str, Any] = {"cancelled": cancelled, "progress": progress}
+    found = refined(draft, learned=guesses, **how)
+    if not found.refined or (found := _checked(found, **how)).certified:
+        return found
+    finer = refined(draft, learned=False, finer=FINER, **how)
+    if not finer.refined or not (finer := _checked(finer, **how)).certified:
+        return found
+    assert finer.refinement is not None
+    assert found.refinement is not None
+    return replace(finer, refinement=finer.refinement.after(found.refinement))
 
 
 def _checked(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 NEAREST = "nearest to another request"
 """`SolveReport.guess` of plans that were made in place of a request that is not feasible."""
@@ -68,3 +68,13 @@ class Refinement:
     build_time_s: float
     cost: float
     compiling: bool = False
+
+    def after(self, before: Refinement) -> Refinement:
+        """With the effort and the times of one that came to nothing before."""
+        return replace(
+            self,
+            iterations=before.iterations + self.iterations,
+            solve_time_s=before.solve_time_s + self.solve_time_s,
+            total_time_s=before.total_time_s + self.total_time_s,
+            build_time_s=before.build_time_s + self.build_time_s,
+        )

@@ -9,6 +9,7 @@ import pytest
 import llsrbm
 from llsrbm import api
 from llsrbm.analysis.wording import plan_rows
+from llsrbm.certificate import certify
 from llsrbm.errors import Cancelled, NotConverged
 from llsrbm.motion.solve_report import Refinement
 
@@ -77,3 +78,26 @@ def test_a_plan_that_is_cancelled_while_it_is_checked_is_none(monkeypatch):
     with pytest.raises(Cancelled):
         api.whole_body_plan(draft(), cancelled=begun.is_set)
     release.set()
+
+
+@pytest.mark.parametrize("holds", [True, False])
+def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monkeypatch, holds):
+    tried = []
+
+    def judged(found, *_):
+        tried.append(found)
+        checks = dict(plan().certificate)
+        if len(tried) == 1 or not holds:
+            checks["dynamics"] = {**checks["dynamics"], "holds": False}
+        return replace(found, certificate=checks)
+
+    monkeypatch.setattr(api, "certified", judged)
+    found = api.whole_body_plan(draft(), guesses=False)
+    coarse, fine = tried
+    assert len(fine.time) > 1.4 * len(coarse.time)
+    assert found.certified is holds
+    assert len(found.time) == len((fine if holds else coarse).time)
+    if holds:
+        both = coarse.refinement.iterations + fine.refinement.iterations
+        assert found.refinement.iterations == both
+        assert certify(found).holds

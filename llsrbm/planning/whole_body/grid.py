@@ -53,18 +53,20 @@ class Grid:
     phases: tuple[tuple[tuple[int, ...], int], ...]
 
     @classmethod
-    def of(cls, plan: Plan) -> Grid:
-        """The grid that a draft is refined on, or that a refined plan is of."""
-        counts = np.bincount(plan.phase[:-1], minlength=len(plan.schedule))
-        return cls._with(plan.schedule, counts, 1.0 if plan.refined else FINER_IN_FLIGHT)
+    def of(cls, plan: Plan, finer: float = 1.0) -> Grid:
+        """The grid that a draft is refined on, or that a refined plan is of; or one with `finer`
+        times as many intervals.
+        """
+        counts = np.bincount(plan.phase[:-1], minlength=len(plan.schedule)).astype(np.float64)
+        return cls._with(plan.schedule, finer * counts, 1.0 if plan.refined else FINER_IN_FLIGHT)
 
     @classmethod
     def at(cls, schedule: Schedule, counts: Sequence[int]) -> Grid:
         """The grid that a draft of a schedule with so many intervals a phase is refined on."""
-        return cls._with(schedule, np.array(counts), FINER_IN_FLIGHT)
+        return cls._with(schedule, np.array(counts, dtype=np.float64), FINER_IN_FLIGHT)
 
     @classmethod
-    def _with(cls, schedule: Schedule, counts: NDArray[np.int64], finer: float) -> Grid:
+    def _with(cls, schedule: Schedule, counts: Array, finer: float) -> Grid:
         stands = [tuple(np.flatnonzero(legs).tolist()) for legs in schedule.stands]
         shares = [1.0 if legs else finer for legs in stands]
         intervals = [

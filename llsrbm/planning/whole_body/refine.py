@@ -138,6 +138,7 @@ def refined(
     robot: Robot | None = None,
     *,
     learned: bool = True,
+    finer: float = 1.0,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Plan:
@@ -145,13 +146,13 @@ def refined(
 
     It is not tried where the body turns over.
 
-    `robot`: the one that the plan names, with other drives.
+    `robot`: the one that the plan names, with other drives. `finer`: times as many intervals.
     """
     if plan.jump.turns:
         # None of Go2's was ever found: drafts' knees land at twice the speed that they have.
         return replace(plan, refinement=Refinement(UNTRIED, 0, 0.0, 0.0, 0.0, 0.0, compiling=False))
     start = time.perf_counter()
-    refiner = interruptible(partial(refiner_of, plan, robot), cancelled)
+    refiner = interruptible(partial(refiner_of, plan, robot, finer), cancelled)
     built = time.perf_counter() - start
     result = refiner.refine(plan, learned=learned, cancelled=cancelled, progress=progress)
     assert result.refinement is not None
@@ -185,9 +186,9 @@ def planned(
     return replace(found, refinement=replace(found.refinement, build_time_s=built))
 
 
-def refiner_of(plan: Plan, robot: Robot | None = None) -> Refiner:
-    """The whole-body problem of plans like this one, built once and kept; `robot`: of `refined`."""
-    return Refiner(robot or robot_of(plan), Grid.of(plan))
+def refiner_of(plan: Plan, robot: Robot | None = None, finer: float = 1.0) -> Refiner:
+    """The whole-body problem of plans like this one, built once and kept; the rest as `refined`."""
+    return Refiner(robot or robot_of(plan), Grid.of(plan, finer))
 
 
 def _subject(robot: Robot, sizes: Sizes, grid: Grid) -> Subject:
