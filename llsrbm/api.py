@@ -162,11 +162,11 @@ def whole_body_plan(
     if not found.refined or (found := _checked(found, **how)).certified:
         return found
     finer = refined(draft, learned=False, finer=FINER, **how)
-    if not finer.refined or not (finer := _checked(finer, **how)).certified:
-        return found
-    assert finer.refinement is not None
-    assert found.refinement is not None
-    return replace(finer, refinement=finer.refinement.after(found.refinement))
+    finer = _checked(finer, **how) if finer.refined else finer
+    best, other = (finer, found) if finer.certified else (found, finer)
+    assert best.refinement is not None
+    assert other.refinement is not None
+    return replace(best, refinement=best.refinement.beside(other.refinement))
 
 
 def _checked(

@@ -69,12 +69,12 @@ class Refinement:
     cost: float
     compiling: bool = False
 
-    def after(self, before: Refinement) -> Refinement:
-        """With the effort and the times of one that came to nothing before."""
+    def beside(self, other: Refinement) -> Refinement:
+        """With the effort and the times of another one, which came to nothing."""
         return replace(
             self,
-            iterations=before.iterations + self.iterations,
-            solve_time_s=before.solve_time_s + self.solve_time_s,
-            total_time_s=before.total_time_s + self.total_time_s,
-            build_time_s=before.build_time_s + self.build_time_s,
+            iterations=other.iterations + self.iterations,
+            solve_time_s=other.solve_time_s + self.solve_time_s,
+            total_time_s=other.total_time_s + self.total_time_s,
+            build_time_s=other.build_time_s + self.build_time_s,
         )
