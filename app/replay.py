@@ -20,7 +20,7 @@ from llsrbm.motion.trajectory import Trajectory
 if TYPE_CHECKING:
     from app.motion.clip import Clip
     from app.picture.picture import Picture
-    from llsrbm.mechanics import Array
+    from llsrbm.arrays import Array
 
 _SCRIPTS = (
     *("graphics.js", "elements.js", "layout.js", "page.js", "player.js", "timeline.js"),

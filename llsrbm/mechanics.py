@@ -6,10 +6,10 @@ Quaternions are w, x, y, z.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array
 
 GRAVITY = 9.81
 """Acceleration of free fall, m/s2, along -z of the world."""

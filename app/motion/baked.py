@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.figures import DesignFigures, figures_of_motion, figures_of_rollout
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.arrays import Array
 from llsrbm.look.shown_motion import ShownMotion, shown_motion, shown_ticks
-from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import (

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,10 @@ from app.motion import colours
 from app.panel.acts import Act, Put
 from app.panel.fields import Field, Fields
 from app.panel.html import note
+from llsrbm.arrays import Array
 from llsrbm.atlas.colours import COLOURS, SCALE, of_stop
 from llsrbm.atlas.jumps import Axis, words_of
 from llsrbm.atlas.map import ALL, NEAREST, Map, Scale
-from llsrbm.mechanics import Array
 from llsrbm.number_text import short
 
 _COLOURS = {colour.title: colour.name for colour in COLOURS.values()}

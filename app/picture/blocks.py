@@ -7,13 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 import viser
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.motion.surroundings import Block
 
 
@@ -85,5 +84,5 @@ def standing_track(name: str, block: Block, time: Array) -> Track:
     )
 
 
-def _stands(block: Block, time: Array) -> NDArray[np.bool_]:
+def _stands(block: Block, time: Array) -> BoolArray:
     return (block.from_s <= time) & (time < block.until_s)

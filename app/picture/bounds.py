@@ -6,10 +6,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import forward_kinematics
-from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 

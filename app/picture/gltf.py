@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.motion.colours import Rgb, linear
+from llsrbm.arrays import Array
 from llsrbm.look.visuals import give_material
-from llsrbm.mechanics import Array
 
 if TYPE_CHECKING:
     import trimesh

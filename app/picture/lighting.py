@@ -13,7 +13,7 @@ from app.motion.clip import AnimationChannel
 from app.motion.colours import Rgb
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 
 
 @dataclass(frozen=True)

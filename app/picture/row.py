@@ -24,7 +24,8 @@ from app.picture.drawing import Drawing
 from app.picture.overlays.inertia_ellipsoids import Ellipsoid, InertiaEllipsoids
 from app.picture.picture import Picture, Standing
 from app.picture.robot_nodes import RobotNodes, RobotShelf, shadow_track
-from llsrbm.mechanics import Array, turns_about_z
+from llsrbm.arrays import Array
+from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.surroundings import Block
 
 _FREE = 0.25  # m between what two neighbours sweep

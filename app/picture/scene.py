@@ -14,7 +14,7 @@ from app.picture.overlays import OVERLAYS
 from app.picture.picture import Picture, changed_parts
 from app.picture.robot_nodes import ContactShadow, SolidRobot
 from app.picture.row import Row
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 
 
 class Scene:

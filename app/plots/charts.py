@@ -17,7 +17,7 @@ from app.motion.colours import Rgb
 from app.plots.choice import ALL, ALL_JOINTS, EACH, ChartChoice, PlotChoice
 from app.plots.signals import SIGNALS, Samples, Signal
 from app.plots.time_series import TimeSeries
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 from llsrbm.motion.rollout import Rollout
 
 LIMIT: Rgb = colours.REFERENCE

@@ -11,7 +11,7 @@ from viser import uplot
 from app.motion import colours
 from app.plots.charts import Chart, Line, Look, Role
 from app.plots.figure import Figure
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 
 _FONT = "11px system-ui, sans-serif"
 _TICKS = uplot.Axis_Ticks(size=3)

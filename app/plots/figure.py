@@ -12,7 +12,7 @@ from app.motion import colours
 from app.motion.baked import PlannedMotion
 from app.plots.charts import DASHED, SOLID, Chart, Layer, Line, charts
 from app.plots.choice import PlotChoice
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 from llsrbm.motion.flights import flights
 
 AXIS_STEP = 0.25

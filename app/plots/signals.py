@@ -11,6 +11,7 @@ import numpy as np
 
 from app.plots.choice import ALL_JOINTS
 from app.plots.time_series import TimeSeries, principal_moments, recorded_name, whole_body_inertia
+from llsrbm.arrays import Array
 from llsrbm.body.peak_loads import torque_share
 from llsrbm.files.quantity import (
     CONTACT,
@@ -25,7 +26,7 @@ from llsrbm.files.quantity import (
     derived,
     quantities,
 )
-from llsrbm.mechanics import Array, rotation_matrices, yaw
+from llsrbm.mechanics import rotation_matrices, yaw
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.arrays import Array
 from llsrbm.body.momentum import centroidal_states
-from llsrbm.mechanics import Array, rotation_matrices
+from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample

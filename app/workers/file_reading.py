@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from app.workers.opened_file import OpenedFile, States, check_offered, uploaded_design
+from llsrbm.arrays import Array
 from llsrbm.errors import Error, FileFormatError, printable
 from llsrbm.formats import is_native, load_motion, readable
-from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout

@@ -12,8 +12,8 @@ from typing import Any
 
 from app.panel.status import SeedResult
 from app.workers.opened_file import OpenedFile
+from llsrbm.arrays import Array
 from llsrbm.certificate import Certificate
-from llsrbm.mechanics import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump

@@ -14,7 +14,7 @@ import llsrbm
 from app.workers import reports, spare_solvers, tasks
 from app.workers.opened_file import OpenedFile
 from llsrbm import errors
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump

@@ -13,15 +13,12 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.mechanics import rotation_matrices, turned
 from llsrbm.motion.outcome import SATURATED
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.schedule import Schedule
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 TAKEOFF, FLIGHT, LANDING = range(3)
 """Before the first flight, in a flight, after one: what thresholds go by."""
@@ -89,7 +86,7 @@ class Record:
         return None if time is None or time > self.end else time
 
 
-def _parts(schedule: Schedule) -> NDArray[np.int64]:
+def _parts(schedule: Schedule) -> IntArray:
     """(P,) `TAKEOFF`, `FLIGHT` or `LANDING`, of each phase."""
     part = np.full(len(schedule), LANDING)
     part[: schedule.flights[0]] = TAKEOFF
@@ -108,7 +105,7 @@ def _planned_touchdowns(rollout: Rollout, schedule: Schedule) -> dict[int, float
     return ends
 
 
-def stretches(on: Mask) -> list[tuple[int, int]]:
+def stretches(on: BoolArray) -> list[tuple[int, int]]:
     """[start, end) of each stretch of True in (T,)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]

@@ -11,18 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.analysis.summaries import planned_peak_load
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.mechanics import GRAVITY, final_yaw, rotation_matrices
 from llsrbm.motion.flights import flights, without_contact
 from llsrbm.motion.outcome import Outcome
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -126,7 +124,7 @@ def figures_of_motion(motion: WholeBodyMotion) -> DesignFigures:
 
 
 def _moving(
-    motion: Any, yaw_rate: Array, flight: NDArray[np.bool_], force: Array | None, mass: Any
+    motion: Any, yaw_rate: Array, flight: BoolArray, force: Array | None, mass: Any
 ) -> dict[str, Any]:
     """Figures of the first instants of a motion, as many as `yaw_rate` (K,) has."""
     until = slice(len(yaw_rate))
@@ -153,7 +151,7 @@ def _moving(
     }
 
 
-def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
+def _flight(rollout: Rollout) -> tuple[float | None, BoolArray]:
     """From when the last foot has left until the first comes back: how long, s, and (T,) when.
 
     Without the touchdowns, which have to be known for the length, it is while the controller flies.
@@ -167,7 +165,7 @@ def _flight(rollout: Rollout) -> tuple[float | None, NDArray[np.bool_]]:
     return sum(durations), np.any([without_contact(rollout, flight) for flight in flown], axis=0)
 
 
-def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, NDArray[np.bool_]]:
+def _longest_flight(motion: WholeBodyMotion) -> tuple[float | None, BoolArray]:
     """Length (s) and instants (K,) of the longest flight; None without one that ends."""
     standing = np.flatnonzero(motion.contact.any(axis=1))
     apart = np.diff(motion.time[standing])

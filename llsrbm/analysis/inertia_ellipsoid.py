@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array, IntArray
 
 
 def ellipsoid(inertia: Array, mass: float, reference: Array) -> tuple[Array, Array]:
@@ -34,8 +33,8 @@ def ellipsoid(inertia: Array, mass: float, reference: Array) -> tuple[Array, Arr
 _PERMUTATIONS = np.array([[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]])
 
 
-def _assignment(likeness: Array) -> NDArray[np.int64]:
+def _assignment(likeness: Array) -> IntArray:
     """(K, 3): the permutation with the largest sum of likeness[k, i, order[i]]."""
     total = likeness[:, [0, 1, 2], _PERMUTATIONS].sum(axis=-1)
-    best: NDArray[np.int64] = _PERMUTATIONS[np.argmax(total, axis=1)]
+    best: IntArray = _PERMUTATIONS[np.argmax(total, axis=1)]
     return best

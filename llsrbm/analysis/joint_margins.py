@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from llsrbm.arrays import Array
 from llsrbm.body.postures import joint_speeds
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 # Both ends and the middle of each interval: feet may change their speed at a knot.
 _SHARES = np.array([0.01, 0.5, 0.99])

@@ -13,16 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import followed
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import Robot
 from llsrbm.robots.schema import Reach
-
-Array = NDArray[np.float64]
 
 SIDES = 20
 """Corners of a region's outline, in evenly spaced directions from a point inside."""

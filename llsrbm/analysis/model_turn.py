@@ -19,8 +19,8 @@ from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.body.joint_loads import speeds_in
 from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.momentum import momentum_and_inertia
@@ -29,8 +29,6 @@ from llsrbm.mechanics import apply, rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from functools import cached_property, partial
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.plan import Plan
@@ -30,8 +30,6 @@ from llsrbm.planning.whole_body.refine import Refiner, refiner_of
 from llsrbm.planning.whole_body.sizes import Sizes, parts
 from llsrbm.planning.whole_body.start import Start, start_of, variables
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 # Multipliers are good to four digits; Fatrop takes some 15 iterations from a plan.
 EXACTLY = SolveOptions(mu=1e-5, iterations=200, tolerance=1e-6, push=0.01)

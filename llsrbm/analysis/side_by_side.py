@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import rotation_matrices, turns_between
 from llsrbm.motion.flights import flights
 from llsrbm.motion.plan import Plan
@@ -22,7 +22,6 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.number_text import decimal, degrees
 from llsrbm.request.jump import Jump
 
-Array = NDArray[np.float64]
 Axis = Literal["roll", "pitch", "yaw"]
 
 _AXES: tuple[Axis, ...] = ("roll", "pitch", "yaw")

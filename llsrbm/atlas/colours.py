@@ -10,12 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.atlas.jumps import Jumps
 from llsrbm.look.palette import Rgb
-
-Array = NDArray[np.float64]
 
 SCALE: tuple[Rgb, ...] = (
     (250, 241, 205),
@@ -60,7 +58,7 @@ class Colour:
         """Title and unit."""
         return f"{self.title} [{self.unit}]" if self.unit else self.title
 
-    def together(self, values: Array, cell: NDArray[np.int64], cells: int) -> Array:
+    def together(self, values: Array, cell: IntArray, cells: int) -> Array:
         """(C,) one value a cell, of its jumps that have one; NaN where none has.
 
         The mean, or the most frequent of categories. `values`: (K,) of jumps; cell: (K,) in which

@@ -22,15 +22,13 @@ from itertools import combinations_with_replacement
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.installed import assets_directory
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 LIMITS: Mapping[str, tuple[float, float]] = {
     "torque_share": (0.2, 1.1),
@@ -113,7 +111,7 @@ def features(x: Array) -> Array:
 
 
 @cache
-def _products(size: int) -> NDArray[np.int64]:
+def _products(size: int) -> IntArray:
     """(F, DEGREE) columns that are multiplied; 0 is the one of ones."""
     chosen = combinations_with_replacement(range(size + 1), DEGREE)
     sided = [column + 1 for column in _SIDED]

@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.request.jump import Jump
 from llsrbm.sweep.rows import LIMIT, NOT_PLANNED
-
-Array = NDArray[np.float64]
 
 NOTHING = ""
 """The limiting constraint of a jump that is feasible: none."""
@@ -76,7 +74,7 @@ class Jumps:
     robot: str  # of all of them
     model: str  # of all of them
     type: str  # of all of them
-    numbers: NDArray[np.int64]  # (J,) in the sweep
+    numbers: IntArray  # (J,) in the sweep
     requested: Mapping[str, Array]  # axis name -> (J,) SI; limits begin with "limit_"
     planned: Array  # (J,) 0 or 1: there is a plan
     landed: Array  # (J,) share of the simulated seeds; NaN where nothing was simulated
@@ -84,7 +82,7 @@ class Jumps:
     flight: Array  # (J,) s
     torque_share: Array  # (J,); NaN where there is no plan
     stops: tuple[str, ...]  # names of limiting constraints
-    stop: NDArray[np.int64]  # (J,) places therein
+    stop: IntArray  # (J,) places therein
     robot_hash: str  # of the robot's files
     arms: str = Jump.arms  # of all of them
 

@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.atlas.colours import COLOURS, Colour, of_share, of_stop
 from llsrbm.atlas.jumps import Axis, Jumps
 from llsrbm.look.palette import Rgb
-
-Array = NDArray[np.float64]
 
 NEAREST, ALL = "nearest", "all"
 PROJECTIONS = (NEAREST, ALL)
@@ -43,7 +41,7 @@ class Scale:
     centres: Array  # (n,) a grid's values
     listed: bool  # whether cells are the values of a grid
 
-    def cells(self, values: Array) -> NDArray[np.int64]:
+    def cells(self, values: Array) -> IntArray:
         """(J,) numbers of the cells in which values lie."""
         return np.searchsorted(self.edges[1:-1], values, side="right")
 
@@ -58,10 +56,10 @@ class Map:
     colour: Colour  # what is shown
     projection: str  # one of `PROJECTIONS`
     # Place in `jumps` of the jump that a cell opens, -1 where there is none.
-    jump: NDArray[np.int64]
-    count: NDArray[np.int64]  # jumps of a cell
-    members: NDArray[np.int64]  # (K,) places in `jumps` of what is shown
-    cell: NDArray[np.int64]  # (K,) in which of all cells
+    jump: IntArray
+    count: IntArray  # jumps of a cell
+    members: IntArray  # (K,) places in `jumps` of what is shown
+    cell: IntArray  # (K,) in which of all cells
 
     def of(self, colour: Colour) -> Array:
         """(rows, columns) A colour's value of each cell, SI; NaN where no jump has one."""
@@ -175,7 +173,7 @@ def _away(jumps: Jumps, shown: tuple[str, str], design: Mapping[str, float]) -> 
 
 
 def _off_centre(
-    jumps: Jumps, scales: tuple[Scale, Scale], cells: tuple[NDArray[np.int64], NDArray[np.int64]]
+    jumps: Jumps, scales: tuple[Scale, Scale], cells: tuple[IntArray, IntArray]
 ) -> Array:
     """(J,) how far jumps are from the middle of their cell, in the axes' lengths."""
     parts = [

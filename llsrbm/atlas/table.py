@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.atlas.jumps import AMOUNTS, DRIVES, FALLS, NOTHING, Atlas, Jumps
 from llsrbm.errors import InputError, require
 from llsrbm.files.atomic import staged
@@ -27,7 +28,6 @@ from llsrbm.sweep.rows import LIMIT, PLANNED, STATUSES
 if TYPE_CHECKING:
     import pyarrow as pa
 
-Array = NDArray[np.float64]
 _Columns = dict[str, NDArray[Any]]
 
 SMALL = ".npz"
@@ -196,7 +196,7 @@ def _groups(columns: _Columns) -> tuple[Jumps, ...]:
 
 
 def _reduced(
-    columns: _Columns, first: NDArray[np.int64]
+    columns: _Columns, first: IntArray
 ) -> tuple[dict[str, Array], tuple[str, ...], _Columns]:
     """Requests, limiting constraints and the arrays of `Jumps`: one jump a jump, of all groups."""
     counts = np.diff(first, append=len(columns["jump"]))
@@ -229,8 +229,8 @@ def _reduced(
 
 
 def _stops(
-    columns: _Columns, first: NDArray[np.int64], planned: Array, landed: Array
-) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    columns: _Columns, first: IntArray, planned: Array, landed: Array
+) -> tuple[tuple[str, ...], IntArray]:
     """Names of the causes that stop jumps, the most frequent first, and (J,) places therein."""
     causes, statuses = columns["stopped_by"][first], columns["status"][first]
     # Refused, timed out, failed, or not planned for no known reason.

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import cross
 from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.placements import placements, pushes
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:

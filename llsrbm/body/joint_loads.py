@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.body.efforts import inverse_dynamics
 from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
 from llsrbm.body.peak_loads import PeakLoad, peak_load
@@ -31,8 +31,6 @@ from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.drives.torques import friction_torque, torque_in_direction
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _BASE = 6  # velocities of the floating base
 _UPWARD_GRAVITY = np.array([0.0, 0.0, GRAVITY])  # m/s2
@@ -45,7 +43,7 @@ class JointLoads:
     time: Array  # (N,) s
     knot_time: Array  # (N+1,) s, where the intervals end
     schedule: Schedule  # which feet stand in a phase
-    phase: NDArray[np.int64]  # (N,) of the schedule
+    phase: IntArray  # (N,) of the schedule
     joint_names: tuple[str, ...]  # (J,)
     joint_position: Array  # (N, J) rad or m, and per s, per s2
     joint_velocity: Array  # (N, J) rad or m, and per s, per s2
@@ -70,7 +68,7 @@ class JointLoads:
     standing_limit: Array  # (J,) what the drives give at rest
 
     @property
-    def contact(self) -> NDArray[np.bool_]:
+    def contact(self) -> BoolArray:
         """(N, L) whether a foot stands over an interval."""
         return self.schedule.stands[self.phase]
 
@@ -184,7 +182,7 @@ def speeds_in(robot: Robot, joint_position: Array, at: States, arm_speed: Array)
     )
 
 
-def _edge_velocity(robot: Robot, standing: NDArray[np.bool_], knot_velocity: Array) -> Array:
+def _edge_velocity(robot: Robot, standing: BoolArray, knot_velocity: Array) -> Array:
     """(N, J), see `JointLoads`; `standing`: (N, L)."""
     edge = np.full((len(standing), knot_velocity.shape[1]), np.nan)
     leaves = np.vstack([standing[:-1] & ~standing[1:], np.zeros_like(standing[:1])])

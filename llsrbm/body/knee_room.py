@@ -7,13 +7,11 @@ from functools import lru_cache
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.shapes import Shape, link_shapes
-
-Array = NDArray[np.float64]
 
 _FAN = np.radians(np.linspace(-60.0, 60.0, 13))  # about the thigh's direction, as it may be tilted
 _FAR = 10.0  # m, where a half-space begins from which distances are measured

@@ -15,13 +15,11 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.mechanics import cross, rotation_matrices, slerp, turns_between
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _AT_REST = 1e-3  # m/s of the CoM: where a plan ends at rest, a solver is that far off
 
@@ -32,7 +30,7 @@ class KnotMotion:
 
     time: Array
     schedule: Schedule  # which feet stand in a phase
-    phase: NDArray[np.int64]
+    phase: IntArray
     com: Array
     com_velocity: Array
     base_quat: Array
@@ -43,7 +41,7 @@ class KnotMotion:
     joint_position: Array | None = None  # (N+1, J) postures at the knots; None to have them solved
 
     @property
-    def standing(self) -> NDArray[np.bool_]:
+    def standing(self) -> BoolArray:
         """(N, L) whether a foot stands over an interval."""
         return self.schedule.stands[self.phase[:-1]]
 
@@ -163,14 +161,14 @@ def _means(rates: Array, dt: Array) -> Array:
     return values
 
 
-def _flying(values: Array, standing: NDArray[np.bool_]) -> Array:
+def _flying(values: Array, standing: BoolArray) -> Array:
     """Values (N+1, L, 3), zero at knots at which the foot stands just before or just after."""
     flying = np.zeros(values.shape[:2], dtype=bool)
     flying[1:-1] = ~standing[:-1] & ~standing[1:]
     return np.where(flying[..., None], values, 0.0)
 
 
-def _base_rates(rate: Array, dt: Array, standing: NDArray[np.bool_]) -> Array:
+def _base_rates(rate: Array, dt: Array, standing: BoolArray) -> Array:
     """(N+1, 3) rad/s at the knots, of (N, 3) over the intervals.
 
     Where feet leave or land, from the side on which more of them stand.

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def momentum_and_inertia(

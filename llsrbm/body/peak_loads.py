@@ -5,11 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.request.schedule import Schedule
-
-Array = NDArray[np.float64]
 
 
 def torque_share(torque: Array, available: Array) -> Array:
@@ -46,7 +44,7 @@ class PeakLoad(NamedTuple):
         return f"{load} ({100 * self.ratio:.0f} %)"
 
 
-def event_beside(contact: NDArray[np.bool_], interval: int) -> str:
+def event_beside(contact: BoolArray, interval: int) -> str:
     """Either "lift-off" or "touchdown" where an interval begins or ends with that of a foot, or "".
 
     `contact`: (N, L) whether a foot stands over an interval.
@@ -67,7 +65,7 @@ def when_in_words(phase: str, time: float, event: str) -> str:
 def peak_load(
     names: tuple[str, ...],
     time: Array,
-    phase: NDArray[np.int64],
+    phase: IntArray,
     schedule: Schedule,
     torque: Array,
     available: Array,

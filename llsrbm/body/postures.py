@@ -23,14 +23,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.mechanics import apply, cross, rotation_matrices
 from llsrbm.robots.legs import TURN_ARM, LegMotion, damped_inverse, foot_task, shortened
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _CONVERGED = 1e-7  # m
 _REACHED = 1e-5  # m: a knot with a larger residual is tried again from its neighbour

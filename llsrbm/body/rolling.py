@@ -8,14 +8,12 @@ momentum.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.mechanics import rotation_matrices, rotation_vectors
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 def rolled(
@@ -23,7 +21,7 @@ def rolled(
     joint_position: Array,
     base_quat: Array,
     schedule: Schedule,
-    phase: NDArray[np.int64],
+    phase: IntArray,
 ) -> Array:
     """(K, L, 2) m: how far standing feet are from where they stand, horizontally, world frame.
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
-
-Array = NDArray[np.float64]
 
 # A joint so far from hip and foot, as a share of their distance in the default posture, is a knee.
 # Abduction joints are nearer to the hip, ankles to the foot, and what slides bends nothing.

@@ -6,16 +6,14 @@ from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.mechanics import cross
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.placements import velocities
-
-Array = NDArray[np.float64]
 
 SLIGHT = 5e-3  # of the weight: a smaller force slips as well, and moves nothing
 SLIP = 0.01  # m
@@ -120,7 +118,7 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
     return places, speeds
 
 
-def _stances(stands: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _stances(stands: BoolArray) -> list[tuple[int, int]]:
     """First sample of each stance, and the one after its last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(np.int8)))
     return [(int(first), int(end)) for first, end in pairwise(edges)][::2]

@@ -11,8 +11,8 @@ from typing import ClassVar
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.least_distance import least_distance
 from llsrbm.certificate.sampled_motion import SampledMotion
@@ -23,8 +23,6 @@ from llsrbm.request.scenario import Scenario
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
-
-Array = NDArray[np.float64]
 
 APART = 0.005  # m between links
 TOUCHING = -0.005  # m: feet and legs are as far off between a plan's knots

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from llsrbm.arrays import Array
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.trajectory import json_value
-
-Array = NDArray[np.float64]
 
 ALLOWANCE = 0.01  # of a limit: beyond it a share does not hold
 

@@ -14,15 +14,14 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.integrate import cumulative_trapezoid
 
+from llsrbm.arrays import Array
 from llsrbm.certificate.finding import ALLOWANCE, Check, Finding
 from llsrbm.certificate.sampled_motion import NO_TORQUES, SampledMotion
 from llsrbm.motion.trajectory import json_value
 from llsrbm.robots.drives.windings import Windings
-
-Array = NDArray[np.float64]
 
 CUT = "the robot will cut its power"
 

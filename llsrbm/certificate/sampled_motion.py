@@ -13,9 +13,9 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.efforts import inverse_dynamics, of_contacts
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised_states
@@ -27,7 +27,6 @@ from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.placements import placements
 
-Array = NDArray[np.float64]
 AnyMotion = Plan | Rollout | WholeBodyMotion
 
 RATE = 1000.0  # Hz
@@ -62,7 +61,7 @@ class SampledMotion:
     q: Array
     v: Array
     a: Array
-    contact: NDArray[np.bool_]
+    contact: BoolArray
     points: Array | None
     forces: Array | None
     recorded_torque: Array | None

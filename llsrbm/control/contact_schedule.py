@@ -19,16 +19,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control.delay import Measurement
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots
-
-Array = NDArray[np.float64]
-Feet = NDArray[np.bool_]
 
 JUST_AFTER = (
     1e-3  # s after touchdown, where the nearest sample of a plan surely is one on the ground
@@ -69,7 +66,7 @@ class ContactSchedule:
         self._take(plan)
 
         self.phase = 0
-        self.standing: Feet = self._stands[0].copy()
+        self.standing: BoolArray = self._stands[0].copy()
         self.flights: list[Flight] = []
         self.ground_shift = 0.0
         self._light = np.zeros(body.legs, dtype=np.int64)  # ticks that a foot has stood unloaded
@@ -99,22 +96,22 @@ class ContactSchedule:
         return self._schedule[self.phase].is_flight
 
     @property
-    def carrying(self) -> Feet:
+    def carrying(self) -> BoolArray:
         """(L,) feet that stand and have felt load not long ago: a foot that bounces does not.
 
         Until a foot first leaves the ground all that stand are taken to.
         """
-        carrying: Feet = self.standing & (self._light < _BOUNCES / self._tick)
+        carrying: BoolArray = self.standing & (self._light < _BOUNCES / self._tick)
         return carrying
 
     @property
-    def planned(self) -> Feet:
+    def planned(self) -> BoolArray:
         """(L,) feet that stand in the present phase of the plan."""
-        feet: Feet = self._stands[self.phase]
+        feet: BoolArray = self._stands[self.phase]
         return feet
 
     @property
-    def seeking(self) -> Feet:
+    def seeking(self) -> BoolArray:
         """(L,) feet that should stand and do not yet."""
         return self.planned & ~self.standing
 
@@ -188,7 +185,7 @@ class ContactSchedule:
         begin, end = self._start[self.phase : self.phase + 2] - self._plan_time + self._at
         self.flights.append(Flight(self.phase, float(begin), float(end)))
 
-    def _touch_down(self, time: float, loaded: Feet) -> None:
+    def _touch_down(self, time: float, loaded: BoolArray) -> None:
         self.flights[-1].detected = time
         self.phase += 1
         self._plan_time, self._at = float(self._start[self.phase]) + JUST_AFTER, time
@@ -199,16 +196,16 @@ class ContactSchedule:
         self._seek(self.planned, time)
         self._measure_ground()
 
-    def _seek(self, feet: Feet, time: float) -> None:
+    def _seek(self, feet: BoolArray, time: float) -> None:
         self._still = np.where(feet, 0, self._still)
         self._seeking_since = np.where(feet, time, self._seeking_since)
 
-    def _found(self, time: float, loaded: Feet, v: Array) -> Feet:
+    def _found(self, time: float, loaded: BoolArray, v: Array) -> BoolArray:
         sinking = self._body.foot_jacobian[:, 2] @ v < -_STOPPED_BELOW
         self._still = np.where(sinking, 0, self._still + 1)
         stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)
         coming = self.plan_time(time) >= self._comes_from[self.phase]
-        found: Feet = (self.planned & (loaded | stopped)) | (coming & loaded)
+        found: BoolArray = (self.planned & (loaded | stopped)) | (coming & loaded)
         return found
 
     def _measure_ground(self) -> None:

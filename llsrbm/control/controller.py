@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control import landing, tasks
-from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Feet, Flight
+from llsrbm.control.contact_schedule import JUST_AFTER, ContactSchedule, Flight
 from llsrbm.control.delay import DelayEstimate, Measurement
 from llsrbm.control.detection import CentroidalState, make_detector, model_uncertainty
 from llsrbm.control.foot_force import FootForces
@@ -26,8 +26,6 @@ from llsrbm.motion.rollout import Mode
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import friction_torque, torque_range
-
-Array = NDArray[np.float64]
 
 _FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
 _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
@@ -265,7 +263,7 @@ class WholeBodyController:
             self._unmodelled.acceleration,
         )
 
-    def _weight_carried(self, feet: Feet) -> Array:
+    def _weight_carried(self, feet: BoolArray) -> Array:
         """(C, 3) N: the weight, shared by the points of the feet (L,) that stand."""
         key = feet.tobytes()
         if key not in self._carried:
@@ -275,7 +273,9 @@ class WholeBodyController:
             self._carried[key] = force
         return self._carried[key]
 
-    def _feet_tasks(self, standing: Feet, seeking: Feet) -> list[tuple[tasks.Task, float]]:
+    def _feet_tasks(
+        self, standing: BoolArray, seeking: BoolArray
+    ) -> list[tuple[tasks.Task, float]]:
         key = standing.tobytes(), seeking.tobytes()
         if key not in self._feet:
             weights, gains = self._settings.weights, self._settings.gains

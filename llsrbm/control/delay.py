@@ -6,12 +6,10 @@ from collections import deque
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.inverse_dynamics import Command
 from llsrbm.control.whole_body import WholeBody
-
-Array = NDArray[np.float64]
 
 MOST = 3  # ticks of delay that are looked for: 7.5 ms at 400 Hz, more than bus and drive take
 

@@ -9,14 +9,12 @@ from math import sqrt
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.whole_body import solved
 from llsrbm.mechanics import GRAVITY
 from llsrbm.request.messages import look_up
 from llsrbm.robots.schema import RobotFile
-
-Array = NDArray[np.float64]
 
 # Detectors listen once the CoM has sunk faster than this: before, feet that leave the ground late
 # look like contacts, and no landing is softer (it is the speed of a fall of 5 mm).

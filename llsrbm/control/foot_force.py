@@ -16,15 +16,13 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _BASE = 6
 _REGULARISATION = 1e-6 * np.eye(3)  # m2, for legs that are stretched out
@@ -75,7 +73,7 @@ class FootForces:
         self._impulse.reset()
         self._touching[:] = 0
 
-    def update(self, torque: Array, v: Array, com_velocity: Array) -> NDArray[np.bool_]:
+    def update(self, torque: Array, v: Array, com_velocity: Array) -> BoolArray:
         """Feet that carry load, (L,). `torque`: (J,) measured, mean of the tick that ended.
 
         `v`: (n,) measured at its end; `com_velocity`: (3,) m/s likewise.
@@ -96,7 +94,7 @@ class FootForces:
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
         self._equations = (body.M, body.h, body.foot_jacobian[self._columns], v.copy())
-        touching: NDArray[np.bool_] = self._touching >= _SURE
+        touching: BoolArray = self._touching >= _SURE
         return touching
 
     def met_ground(self) -> bool:

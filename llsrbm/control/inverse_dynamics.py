@@ -26,15 +26,13 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control.qp import Qp, check_name
 from llsrbm.control.reference import Target
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import INSCRIBED
-
-Array = NDArray[np.float64]
 
 _BASE = 6  # unactuated velocities
 _REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the base's in flight
@@ -81,7 +79,7 @@ class InverseDynamics:
         self,
         tasks: Iterable[tuple[Task, float]],
         target: Target,
-        contact: NDArray[np.bool_],
+        contact: BoolArray,
         force: Array,
         force_weight: float,
         torque_limits: tuple[Array, Array],
@@ -101,7 +99,7 @@ class InverseDynamics:
         """
         body, n = self._body, self._n
         M, h = body.M, body.h
-        pushing: NDArray[np.bool_] | slice = slice(None) if contact.all() else contact
+        pushing: BoolArray | slice = slice(None) if contact.all() else contact
         J = body.contact_jacobian[pushing].reshape(-1, n)
         qp = self._program(len(J) // 3)
         self._set_costs(qp, tasks, target, force[pushing].ravel(), force_weight, unmodelled)

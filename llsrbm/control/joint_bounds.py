@@ -13,12 +13,10 @@ the margin the joint returns within `RETURN`.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 MARGIN = 0.01  # share of a joint's range that is kept from either stop
 # Share of the drive's torque at rest. With half of it, joints with rotors that end a push near a

@@ -5,13 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
-
-Array = NDArray[np.float64]
 
 _SCALES = (0.2, 1.5)  # beyond these the measured momentum says that something else is wrong
 

@@ -8,14 +8,12 @@ it: A = sum_j |s_j| `BRAKING` tau_j / M_jj.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.joint_bounds import least_acceleration
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
 from llsrbm.robots.near_links import NearLinks
-
-Array = NDArray[np.float64]
 
 # Looked at are links that joints, as fast as they turn, could bring together within so long (s).
 SOON = 0.02

@@ -11,12 +11,10 @@ from math import isfinite
 
 import numpy as np
 import quadprog
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.request.messages import look_up
-
-Array = NDArray[np.float64]
 
 SOFTNESS = 1e4
 """Weight of a soft bound, as a contact's: above all tasks, (m/s2)^-2 or (rad/s2)^-2."""
@@ -76,7 +74,7 @@ class Qp:
         minimum of the pulled program oversteps: Newton's method on a piecewise quadratic cost.
         """
         x = self._under_hard_limits(self.H, self.g)
-        pulled: NDArray[np.bool_] = np.zeros(len(self.g) + len(self.soft_least), dtype=bool)
+        pulled: BoolArray = np.zeros(len(self.g) + len(self.soft_least), dtype=bool)
         for _ in range(_ROUNDS):
             if x is None:
                 return None

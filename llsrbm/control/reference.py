@@ -6,16 +6,15 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import make_interp_spline
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array
 from llsrbm.control.swing import UnderWay, swing_motion
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import sampled
 
-Array = NDArray[np.float64]
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
 _AHEAD = 64  # samples, 32 ms: a plan that is made anew under way is followed for 20

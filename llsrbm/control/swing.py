@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, make_interp_spline
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import yaw
 from llsrbm.motion.plan import Plan
 
-Array = NDArray[np.float64]
 FootPath = Callable[[Array, int], Array]
 """Places (K, L, 3) at K times, or one of their derivatives by its order."""
 

@@ -17,15 +17,13 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.reference import Target
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import sampled
-
-Array = NDArray[np.float64]
 
 # What costs as much as each other, at landing ...
 PLACE = 0.02  # m

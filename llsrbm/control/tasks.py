@@ -13,11 +13,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.reference import Target
 from llsrbm.control.whole_body import WholeBody, solved
 from llsrbm.mechanics import turns_about_z
-
-Array = NDArray[np.float64]
 
 _NONE, _IDENTITY = np.zeros(3), np.eye(3)
 

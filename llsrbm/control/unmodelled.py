@@ -15,9 +15,8 @@ d made feet miss their places by as much again: there is none.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array, BoolArray
 
 MEMORY = 0.03  # s; in less, noise of measured velocities comes through
 SETTLING = 0.05  # s after feet have landed or left, in which impacts decide
@@ -33,7 +32,7 @@ class Unmodelled:
         self._settling = 0  # ticks
         self.acceleration = np.zeros(velocities)
 
-    def measured(self, v: Array, expected: Array | None, standing: NDArray[np.bool_]) -> None:
+    def measured(self, v: Array, expected: Array | None, standing: BoolArray) -> None:
         """Take velocities (n,), measured as a tick ends; accelerations (n,) that were expected in
         it, None: unknown; and which feet (L,) stand.
         """

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgesv  # a third of the time of NumPy's solve
 
+from llsrbm.arrays import Array
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 _UP = np.array([0.0, 0.0, 1.0])
 # v @ _SKEW, as a 3 x 3 matrix, times w is v x w.

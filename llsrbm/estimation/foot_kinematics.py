@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import cross
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 _AXES = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

@@ -24,13 +24,10 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.mechanics import GRAVITY, skew
-
-Array = NDArray[np.float64]
-Feet = NDArray[np.bool_]
 
 # Places in the error, of attitude, velocity, position, biases; feet follow.
 TURN, SPEED, PLACE, GYRO_BIAS, ACCELERATION_BIAS, _FEET = (
@@ -143,7 +140,7 @@ class InvariantFilter:
         )
         return squares
 
-    def correct(self, stands: Feet, innovation: Array, variance: float) -> None:
+    def correct(self, stands: BoolArray, innovation: Array, variance: float) -> None:
         """Take the places of the feet that stand, (L,), as measured with a variance, m2."""
         feet = np.flatnonzero(stands)
         if not len(feet):

@@ -31,9 +31,9 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control.readings import Readings
 from llsrbm.estimation.foot_kinematics import FootKinematics
 from llsrbm.estimation.invariant_filter import (
@@ -46,9 +46,6 @@ from llsrbm.estimation.invariant_filter import (
 )
 from llsrbm.mechanics import cross, yaw
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
-Feet = NDArray[np.bool_]
 
 # Standard deviations of what the filter believes; it is told nothing of the simulation.
 _TILT, _UNIT_TILT = 0.004, 0.01  # rad, as it begins: by the feet, by the unit
@@ -81,7 +78,7 @@ class StateEstimator:
         R_start = pin.Quaternion(q0[3:7]).toRotationMatrix()
         self._feet_start = q0[:3] + self.feet.position @ R_start.T
         self._q = q0.copy()
-        self._planted: Feet = np.zeros(len(self.feet.position), dtype=bool)
+        self._planted: BoolArray = np.zeros(len(self.feet.position), dtype=bool)
         self._stands_since = np.full(len(self.feet.position), np.nan)  # s; nan: it does not
         self._time: float | None = None
         self._noise = np.zeros(len(self.filter.covariance))
@@ -92,7 +89,7 @@ class StateEstimator:
         """The next readings are of `q0` again, perhaps moving; biases stay as they are known."""
         self._begins = True
 
-    def update(self, readings: Readings, standing: Feet) -> tuple[Array, Array]:
+    def update(self, readings: Readings, standing: BoolArray) -> tuple[Array, Array]:
         """The estimate at the time of the readings; `standing`: (L,), see above."""
         self.feet.update(readings.q, readings.dq)
         standing = standing.repeat(self.feet.points)
@@ -105,7 +102,7 @@ class StateEstimator:
         self._begins, self._time = False, readings.time
         return self._estimate(readings)
 
-    def _begin(self, readings: Readings, standing: Feet) -> None:
+    def _begin(self, readings: Readings, standing: BoolArray) -> None:
         belief, feet = self.filter, self.feet
         stands = standing if standing.any() else np.ones(len(standing), dtype=bool)
         attitude, tilt = self._attitude_start(readings.quat, stands)
@@ -128,7 +125,7 @@ class StateEstimator:
         for foot in np.flatnonzero(standing).tolist():
             belief.plant(foot, feet.position[foot], _PLACE**2)
 
-    def _attitude_start(self, quat: Array, stands: Feet) -> tuple[Array, float]:
+    def _attitude_start(self, quat: Array, stands: BoolArray) -> tuple[Array, float]:
         """R_world_base (3, 3) as a start, and how well its tilt is known, rad.
 
         By the feet, which stand on the ground of `q0`: the unit's tilt is wrong by its
@@ -145,7 +142,7 @@ class StateEstimator:
         heading, has = yaw(np.array([self._quat_start, quat]))
         return pin.utils.rotate("z", heading - has) @ unit, _UNIT_TILT
 
-    def _go_on(self, readings: Readings, dt: float, standing: Feet) -> None:
+    def _go_on(self, readings: Readings, dt: float, standing: BoolArray) -> None:
         belief, feet = self.filter, self.feet
         rate = readings.gyro - belief.gyro_bias
         rolling = self._rolling(rate)

@@ -15,11 +15,6 @@ from enum import Enum
 from functools import cache
 from typing import Any, get_type_hints
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-
 # Axes of arrays.
 TIME = "time"
 LEG, CONTACT, JOINT, BODY = "leg", "contact", "joint", "body"

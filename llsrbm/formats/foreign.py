@@ -7,16 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import FileFormatError
 from llsrbm.formats import plausibility
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.sampling import FASTEST
 from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics

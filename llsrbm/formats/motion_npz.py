@@ -30,7 +30,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
@@ -42,8 +41,6 @@ from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 _BREADTH_FIRST = ORDERS[1]
 _LAYOUT = {

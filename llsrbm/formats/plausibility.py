@@ -10,14 +10,12 @@ from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.whole_body import velocities
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 _MOSTLY = 0.9  # share of frames that counts as all of them
 _UPRIGHT = 0.7  # of the cosine of the base's tilt

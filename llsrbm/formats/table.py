@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.files.quantity import (
     JOINT,
     LEG,
@@ -32,7 +32,6 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample, with_events
 from llsrbm.motion.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 Column = tuple[str, Array]
 
 # Names of the parts of an array's last axis, and of what a symmetric matrix has.

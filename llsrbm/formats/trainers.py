@@ -8,15 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.formats.base import ORDERS, Format, Options, Purpose
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
-
-Array = NDArray[np.float64]
 
 _PICKLE_PROTOCOL = 4  # Python 3.4 and later: simulators are tied to old ones
 _XYZW = [1, 2, 3, 0]

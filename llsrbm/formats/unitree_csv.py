@@ -25,8 +25,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import FileFormatError
 from llsrbm.formats.base import Format, Options, Purpose, read_beside
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
@@ -35,8 +35,6 @@ from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.text_files import read_text
-
-Array = NDArray[np.float64]
 
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]

@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
@@ -22,8 +22,6 @@ from llsrbm.player.tier import Tier
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.link_shapes import LinkShapes
-
-Array = NDArray[np.float64]
 
 # Hz: slow and fast ones, for friction, damping and rotors; each joint has its own within a band.
 _BANDS = ((0.4, 0.7), (1.0, 1.5), (2.0, 3.0))

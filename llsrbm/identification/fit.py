@@ -18,17 +18,14 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar, nnls
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import InputError
 from llsrbm.identification.log import Log
 from llsrbm.identification.signals import CUT, FIRST, LONGEST, Signals, smoothed
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 NAMES = ("armature", "friction", "damping")
 
@@ -198,7 +195,7 @@ class _Column:
     links: Array
     sent: CubicSpline
     times: Array
-    rows: NDArray[np.int64]
+    rows: IntArray
     second: float
     independent: float
 

@@ -17,16 +17,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.errors import FileFormatError, InputError, printable, require
 from llsrbm.mechanics import GRAVITY
 from llsrbm.player.play_log import STATES
 from llsrbm.request.messages import choices
 from llsrbm.robots import Robot
 from llsrbm.text_files import read_text
-
-Array = NDArray[np.float64]
 
 EXCITATION = "excitation"  # the tier whose logs are of a robot that hangs
 
@@ -59,7 +57,7 @@ class Log:
     dq: Array
     sent: Array
     feedback: Array
-    usable: NDArray[np.bool_]
+    usable: BoolArray
     gyro: Array | None = None
     acceleration: Array | None = None
 
@@ -188,7 +186,7 @@ def _evenly(
     time: Array,
     sent: Array,
     measured: dict[str, Array],
-    usable: NDArray[np.bool_],
+    usable: BoolArray,
 ) -> Log:
     """The log with rows evenly spaced: what is measured between rows, what is held as it was."""
     late = np.flatnonzero(np.diff(time) <= 0)

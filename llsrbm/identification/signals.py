@@ -6,15 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
+from llsrbm.arrays import Array
 from llsrbm.identification.log import Log
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import STILL
-
-Array = NDArray[np.float64]
 
 FIRST = 0.003  # s, standard deviation of the first filter
 LONGEST = 0.02  # s, likewise, of the second at most

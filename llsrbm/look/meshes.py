@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
+
 if TYPE_CHECKING:
     import trimesh
 
@@ -92,7 +94,7 @@ def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     )
 
 
-def _pieces(mesh: trimesh.Trimesh, cell: float) -> NDArray[np.int64]:
+def _pieces(mesh: trimesh.Trimesh, cell: float) -> IntArray:
     """(V,) number of the connected piece that each vertex is of; vertices in one place are one."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
@@ -104,7 +106,7 @@ def _pieces(mesh: trimesh.Trimesh, cell: float) -> NDArray[np.int64]:
     return np.asarray(connected_components(graph, directed=False)[1][place], dtype=np.int64)
 
 
-def _thickness(mesh: trimesh.Trimesh, piece: NDArray[np.int64]) -> NDArray[np.float64]:
+def _thickness(mesh: trimesh.Trimesh, piece: IntArray) -> Array:
     """(P,) m of each piece: the diameter of a bar with as much volume to its surface."""
     of_face = piece[mesh.faces[:, 0]]
     middle = np.array([np.bincount(piece, axis) for axis in mesh.vertices.T])
@@ -116,7 +118,7 @@ def _thickness(mesh: trimesh.Trimesh, piece: NDArray[np.int64]) -> NDArray[np.fl
 
 
 def _clustered(
-    mesh: trimesh.Trimesh, cell: float | NDArray[np.float64], apart: NDArray[Any] | None = None
+    mesh: trimesh.Trimesh, cell: float | Array, apart: NDArray[Any] | None = None
 ) -> trimesh.Trimesh:
     """Vertices in the same cell of a grid made one, without the faces that vanish by it.
 

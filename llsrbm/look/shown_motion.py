@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.analysis.inertia_ellipsoid import ellipsoid
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.errors import InputError
 from llsrbm.look.visuals import LinkVisual, forward_kinematics
@@ -23,8 +23,6 @@ from llsrbm.motion.whole_body import WholeBodyMotion, motion_at, motion_at_ticks
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 ARROW_PER_WEIGHT = 0.8  # m, length of the arrow of a force as large as the robot's weight
 _PUSHING = 1.0  # N; smaller forces have no arrow
@@ -42,7 +40,7 @@ class ShownMotion:
     inertia_axes: Array  # (F, 3) m and inertia_wxyz: (F, 4): ellipsoid of the inertia about the CoM
     inertia_wxyz: Array
     # (F, L) whether a foot is to stand: by the phase of the plan or of the controller
-    stands: NDArray[np.bool_]
+    stands: BoolArray
     foot_force: Array  # (F, L, 3) N: the sum over a foot's contacts
     pressed_at: Array  # (F, L, 3) m: where it acts, a sole's centre of pressure
 
@@ -62,7 +60,7 @@ class ShownMotion:
         return self.motion.foot_position
 
     @property
-    def contact(self) -> NDArray[np.bool_]:
+    def contact(self) -> BoolArray:
         """(F, L) whether a foot does stand."""
         return self.motion.contact
 
@@ -77,7 +75,7 @@ class ShownMotion:
         return self.mass * GRAVITY
 
     @property
-    def flight(self) -> NDArray[np.bool_]:
+    def flight(self) -> BoolArray:
         """(F,) whether no foot is to stand."""
         return np.asarray(~self.stands.any(axis=1))
 
@@ -176,7 +174,7 @@ def shown_trajectory(trajectory: Trajectory, time: Array) -> ShownMotion:
     return shown_motion(motion, trajectory.schedule, mass=mass, time=time)
 
 
-def shown_ticks(rollout: Rollout, ticks: NDArray[np.int64]) -> ShownMotion:
+def shown_ticks(rollout: Rollout, ticks: IntArray) -> ShownMotion:
     """A rollout at some of its own ticks (F,), increasing; errors as of `shown_trajectory`."""
     motion = _with_mean_forces(motion_at_ticks(rollout, ticks), rollout, rollout.time[ticks])
     return shown_motion(motion, rollout.schedule, mass=mass_of(rollout, motion.robot))

@@ -19,6 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.look.meshes import coarser, face_shares, simplified
@@ -29,8 +30,6 @@ from llsrbm.robots.solids import placed_solids
 
 if TYPE_CHECKING:
     import trimesh
-
-Array = NDArray[np.float64]
 
 VISUALS_VERSION = "7"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
@@ -83,7 +82,7 @@ class LinkVisual:
         )
 
     @property
-    def paint(self) -> NDArray[np.float64]:
+    def paint(self) -> Array:
         """(V, 3) 0 to 1: its colours as pictures have them, in which black is dark grey."""
         return _BLACK + (1 - _BLACK) * (self.rgb / 255.0)
 

@@ -16,13 +16,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.models.rigid_bodies import Moving, RigidBodies, cross
 from llsrbm.robots.robot import Robot
 
-Array = NDArray[np.float64]
 Matrix = Any  # casadi.SX or casadi.DM
 Lift = Callable[[Matrix], Matrix]
 

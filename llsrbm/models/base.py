@@ -29,13 +29,12 @@ from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.models.arms import Arms, Carried
 from llsrbm.models.drives import Drives
 from llsrbm.robots.robot import Robot
 
-Array = NDArray[np.float64]
 Matrix = Any  # casadi.SX or casadi.DM
 Lift = Callable[[Matrix], Matrix]
 

@@ -13,13 +13,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.robots.drives.torques import STILL
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _WIDER = 3.0  # times `STILL`: friction turns about within 1 rad/s, about what an interval changes
 

@@ -9,15 +9,13 @@ from typing import Any
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.models.drive_losses import DriveLosses
 from llsrbm.models.fitted_leg import FittedLeg
 from llsrbm.models.knee_leg import KneeLeg
 from llsrbm.models.leg_drives import LegDrives
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 # Places along each side of the reach at which angles are compared with the joints' stops, and what
 # is near one, a share of what lies between: soles that tilt against the base turn ankles further.
@@ -40,14 +38,14 @@ class Drives:
     legs: tuple[LegDrives, ...]  # (L) joint rates and torques
     torque_limit: Array  # (L, n) Nm or N, rad/s or m/s
     speed_limit: Array  # (L, n) Nm or N, rad/s or m/s
-    may_stop: NDArray[np.bool_]  # (L, n) see `near_stops`
+    may_stop: BoolArray  # (L, n) see `near_stops`
     # (L, n, n) joint-space inertia of each leg in the default posture, with rotors. What swinging a
     # leg takes is this times its joints' acceleration, within 6 % of the hip's torque limit on
     # ANYmal's jumps and 10 % of the abduction's: the legs' inertia changes with posture, and the
     # base gives way.
     mass_matrix: Array
     losses: DriveLosses
-    joints: NDArray[np.int64]  # (L, n) places of the legs' joints in `losses`
+    joints: IntArray  # (L, n) places of the legs' joints in `losses`
     # (L, n, 3) kg m, kg: the torques that carry the leg in the default posture, per specific force
     # on the base, base axes.
     weight: Array
@@ -87,7 +85,7 @@ class Drives:
 
 
 @lru_cache(maxsize=12)
-def near_stops(robot: Robot) -> NDArray[np.bool_]:
+def near_stops(robot: Robot) -> BoolArray:
     """(L, n) whether the joint may come near a stop with its foot anywhere within reach."""
     foot, x = robot.file.foot, ca.SX.sym("x", robot.foot_coordinates)
     ends = [*zip(robot.file.reach.lower, robot.file.reach.upper, strict=True)]

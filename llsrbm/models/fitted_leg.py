@@ -9,15 +9,13 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.body.trunk_and_knees import knee_joint
 from llsrbm.models.leg_drives import LegDrives, Matrix
 from llsrbm.robots.leg_fit import sampled_legs
 from llsrbm.robots.leg_maps import quadratic_features, quadratic_term_rates, quadratic_terms
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _SAMPLES, _SEED = 800, 0
 

@@ -13,13 +13,12 @@ from typing import Any, NamedTuple
 import casadi as ca
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.models.drive_losses import DriveLosses
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT
 
-Array = NDArray[np.float64]
 Mark = Callable[[Any], Any]  # of an intermediate quantity, as `llsrbm.ocp.lifting` does
 
 _ROUNDING = 1e-12  # of rotations in a URDF, which are mostly quarter turns

@@ -14,15 +14,13 @@ from functools import lru_cache
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.mechanics import quaternions, rotation_matrices, sign_continuous
 from llsrbm.motion.whole_body import WholeBodyMotion, pinocchio_states
 from llsrbm.robots import Robot
 from llsrbm.robots.urdf import BASE_JOINT, pinocchio_model
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

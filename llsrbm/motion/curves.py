@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.mechanics import cross
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,14 +50,14 @@ class Polynomials:
         total[:, : one.shape[1]] += one
         return Polynomials(total, self.dt)
 
-    def at(self, k: Indices, share: Array) -> Array:
+    def at(self, k: IntArray, share: Array) -> Array:
         """(K, ...) at shares (K,) of intervals (K,)."""
         known = self.coefficients[k]
         powers = share[:, None] ** np.arange(known.shape[1])
         values: Array = np.einsum("kd,kd...->k...", powers, known)
         return values
 
-    def slopes(self, k: Indices, share: Array) -> Array:
+    def slopes(self, k: IntArray, share: Array) -> Array:
         """(K, ...) per s."""
         known = self.coefficients[k, 1:]
         orders = np.arange(1, known.shape[1] + 1)
@@ -88,7 +85,7 @@ class Turns:
         last = slope_of(turn, rate[1:])
         return Turns(quat[:-1], Polynomials.between(turn, rate[:-1], last, dt))
 
-    def at(self, k: Indices, share: Array) -> tuple[Array, Array]:
+    def at(self, k: IntArray, share: Array) -> tuple[Array, Array]:
         """Attitudes (K, ..., 4) and rates (K, ..., 3) rad/s in their own axes."""
         turn, slope, start = self.vector.at(k, share), self.vector.slopes(k, share), self.start[k]
         turned = _rotation(start) * Rotation.from_rotvec(turn.reshape(-1, 3))

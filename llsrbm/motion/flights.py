@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.motion.rollout import Rollout
 
 _SAME_INSTANT = 1e-9  # s
@@ -58,7 +58,7 @@ def flights(rollout: Rollout) -> tuple[Flight, ...]:
     return tuple(found)
 
 
-def without_contact(rollout: Rollout, flight: Flight) -> NDArray[np.bool_]:
+def without_contact(rollout: Rollout, flight: Flight) -> BoolArray:
     """(T,) ticks of a flight that has ended."""
     assert flight.lift_off is not None
     assert flight.touchdown is not None
@@ -82,7 +82,7 @@ def _lift_off(rollout: Rollout, after: int, touchdown: float | None) -> float | 
     return float(rollout.time[after])
 
 
-def _first_contact(rollout: Rollout, inside: NDArray[np.int64]) -> float | None:
+def _first_contact(rollout: Rollout, inside: IntArray) -> float | None:
     """s: among the ticks of a controller's flight, or where it ends; None with the rollout."""
     contact = _in_contact(rollout)[inside]
     if contact.all():
@@ -93,10 +93,10 @@ def _first_contact(rollout: Rollout, inside: NDArray[np.int64]) -> float | None:
     return float(rollout.time[tick]) if tick < len(rollout.time) else None
 
 
-def _in_contact(rollout: Rollout) -> NDArray[np.bool_]:
+def _in_contact(rollout: Rollout) -> BoolArray:
     return np.asarray(rollout.contact.astype(bool).any(axis=1))
 
 
-def _ends(rollout: Rollout) -> NDArray[np.float64]:
-    ends: NDArray[np.float64] = rollout.time + 1.0 / rollout.outcome.control_rate_hz
+def _ends(rollout: Rollout) -> Array:
+    ends: Array = rollout.time + 1.0 / rollout.outcome.control_rate_hz
     return ends

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, FiniteFloat, PlainSerializer, PlainValidator
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.files.native import (
     Meta,
@@ -32,7 +32,6 @@ from llsrbm.files.quantity import (
     ROW,
     TIME,
     VARIABLE,
-    Array,
     Between,
     Quantity,
     attitude,
@@ -118,7 +117,7 @@ class Plan(OfRobot):
     schedule: Schedule
     time: Annotated[Array, Quantity((TIME,), "s", "strictly increasing", Between.LINEAR)]
     phase: Annotated[
-        NDArray[np.int64],
+        IntArray,
         coded(
             "phase of the interval that begins there, as in the schedule", coded_by="phase_names"
         ),
@@ -249,7 +248,7 @@ class Plan(OfRobot):
     def contact(
         self,
     ) -> Annotated[
-        NDArray[np.bool_],
+        BoolArray,
         coded("whether it stands in the interval from there", *("in the air", "touches"), of=LEG),
     ]:
         """(N+1, L) whether a foot stands over the interval that begins at a knot."""

@@ -24,20 +24,18 @@ from functools import cached_property, lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities, centroidal_states, momentum_maps
 from llsrbm.body.postures import joint_speeds, solve_postures
 from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_continuous
-from llsrbm.motion.curves import Indices, Polynomials, Turns, slope_of, turns
+from llsrbm.motion.curves import Polynomials, Turns, slope_of, turns
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import Interpolation, resample, sampled
 from llsrbm.robots.legs import LegMotion
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 _AWAY = 5e-3  # m that feet and CoM may be off, of a plan whose postures are this robot's
 _ITERATIONS = 4  # of Picard's; each takes the error down by an interval's turn, squared
@@ -224,7 +222,7 @@ class _ByMomentum(_Body):
         rest = Polynomials.between(missing, added[:-1], last, dt)
         return Turns(quat[:-1], Polynomials(by_momentum, dt) + rest)
 
-    def _rates(self, times: Array, k: Indices, share: Array, quat: Array) -> Array:
+    def _rates(self, times: Array, k: IntArray, share: Array, quat: Array) -> Array:
         """(K, 3) rad/s, base axes, with which the whole body has the planned momentum."""
         motion, feet = self._planned(times, k, share), self._feet(k, share)
         joints = self._postures(motion, quat, feet)[0]
@@ -243,12 +241,12 @@ class _ByMomentum(_Body):
         inverse: Array = np.asarray(np.linalg.inv(inertia), dtype=np.float64)
         return apply(inverse, wanted)
 
-    def _planned(self, times: Array, k: Indices, share: Array) -> dict[str, Array]:
+    def _planned(self, times: Array, k: IntArray, share: Array) -> dict[str, Array]:
         planned = sampled(self._plan, times, ("com", "com_velocity", "angular_momentum"))
         arms = {"arms": self._arms.at(k, share), "arm_speed": self._arms.slopes(k, share)}
         return planned | arms
 
-    def _feet(self, k: Indices, share: Array) -> _Feet:
+    def _feet(self, k: IntArray, share: Array) -> _Feet:
         rests = self._standing[k][..., None]
         place = np.where(rests, self._plan.foot_position[k], self._places.at(k, share))
         velocity = np.where(rests, 0.0, self._places.slopes(k, share))

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import Error, FileFormatError
 from llsrbm.files.native import part_of
 from llsrbm.files.npz import LARGEST_NUMBER, Arrays, checked
 from llsrbm.files.quantity import LEG, REPLAN, TIME, WXYZ, XYZ, Kind, Quantity
-
-Array = NDArray[np.float64]
 
 DEADLINE = 0.02
 """s of computing time within which an answer is in time: 50 Hz."""

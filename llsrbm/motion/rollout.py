@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import FileFormatError
 from llsrbm.files.native import (
     Meta,
@@ -29,7 +29,6 @@ from llsrbm.files.quantity import (
     POSITION,
     TIME,
     VELOCITY,
-    Array,
     Between,
     Quantity,
     attitude,
@@ -153,7 +152,7 @@ class Rollout(OfRobot):
         Array, vector("m", "lowest point of a foot, of a sole its middle", of=LEG)
     ]
     contact: Annotated[
-        NDArray[np.int64],
+        IntArray,
         coded("of a foot with anything, the simulator's truth", "in the air", "touches", of=LEG),
     ]
     contact_force: Annotated[
@@ -175,9 +174,9 @@ class Rollout(OfRobot):
     detection_threshold: Annotated[
         float, Quantity((), "the detector's", "above it, contact is detected", listed=False)
     ]
-    mode: Annotated[NDArray[np.int64], coded("what the controller follows", "tracking", "force")]
+    mode: Annotated[IntArray, coded("what the controller follows", "tracking", "force")]
     phase: Annotated[
-        NDArray[np.int64],
+        IntArray,
         coded("phase of the schedule, as the controller believes", coded_by="phase_names"),
     ]
     reference_com: Annotated[Array, vector("m", "tracked: centre of mass")]

@@ -20,16 +20,14 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicHermiteSpline
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.errors import InputError
 from llsrbm.files.quantity import TIME, Between, quantities
 from llsrbm.mechanics import rotation_matrices, sign_continuous, slerp
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-
-Array = NDArray[np.float64]
 
 FASTEST = 10_000.0  # frames/s; more is a mistyped number
 LONGEST_PAD = 60.0  # s, likewise
@@ -92,7 +90,7 @@ def check_rate(fps: float) -> None:
         raise InputError(f"frames per second: expected 0 < fps <= {FASTEST:.0f}, got {fps}")
 
 
-def foothold_knots(plan: Plan) -> NDArray[np.int64]:
+def foothold_knots(plan: Plan) -> IntArray:
     """(K + 1, L) knots at which `foot_position` and `contact_point` hold the footholds of places.
 
     Place 0 is read where the plan starts, the others where their feet have stood longest. -1 where
@@ -168,10 +166,10 @@ class Interpolation:
     """
 
     time: Array
-    outside: NDArray[np.bool_]
-    at: NDArray[np.int64]
-    exact: NDArray[np.bool_]
-    left: NDArray[np.int64]
+    outside: BoolArray
+    at: IntArray
+    exact: BoolArray
+    left: IntArray
     dt: Array
     share: Array
 

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices, turns_about_z, yaw
@@ -31,8 +31,6 @@ from llsrbm.request.scenario import Scenario
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 ROOM = 0.01  # m at least between an edge's two sides: feet that stand on it and feet beside it
 MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
@@ -230,9 +228,7 @@ def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
     return bool((seen < block.size / 2).all(axis=-1).any())
 
 
-def _beside(
-    plan: Plan, places: Sequence[_Place], k: int
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _beside(plan: Plan, places: Sequence[_Place], k: int) -> tuple[BoolArray, BoolArray]:
     """(N+1,) knots beside place `k` on the feet of others, and with the half of the flight."""
     flight = places[max(k, 1)].flight
     if k:
@@ -240,7 +236,7 @@ def _beside(
     return plan.phase > flight, plan.time > _highest(plan, flight)
 
 
-def _links_inside(robot: Robot, plan: Plan, block: Block, knots: NDArray[np.bool_]) -> bool:
+def _links_inside(robot: Robot, plan: Plan, block: Block, knots: BoolArray) -> bool:
     """Whether planned links but the feet reach into a block at some of the knots."""
     if not knots.any():
         return False

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.body.momentum import base_velocities, centroidal_states
 from llsrbm.errors import InputError
 from llsrbm.files.quantity import TIME, quantities
@@ -24,8 +24,6 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import evenly, resample, with_events
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 _STILL = 0.15  # m/s: a foot that is slower ...
 _LONG = 0.1  # s: ... for that long stands; at the top of a flight it is so for a third of that
@@ -70,12 +68,12 @@ class WholeBodyMotion:
     angular_momentum: Array
     inertia: Array
     foot_position: Array
-    contact: NDArray[np.bool_]
+    contact: BoolArray
     foot_force: Array | None = None
     pressed_at: Array | None = None
     joint_torque: Array | None = None
     joint_torque_limit: Array | None = None
-    phase: NDArray[np.int64] | None = None
+    phase: IntArray | None = None
     remarks: tuple[str, ...] = ()
 
     @property
@@ -121,7 +119,7 @@ def motion_at(
     return _of_rollout(resample(trajectory, times), robot, times, order, fps)
 
 
-def motion_at_ticks(rollout: Rollout, ticks: NDArray[np.int64]) -> WholeBodyMotion:
+def motion_at_ticks(rollout: Rollout, ticks: IntArray) -> WholeBodyMotion:
     """A rollout at some of its own ticks (K,), increasing, or at all of them.
 
     Raises:
@@ -327,7 +325,7 @@ def velocities(time: Array, qpos: Array) -> Array:
     return np.vstack([2 * rate[0] - inside[0], inside, 2 * rate[-1] - inside[-1]])
 
 
-def standing(time: Array, speed: Array, height: Array) -> NDArray[np.bool_]:
+def standing(time: Array, speed: Array, height: Array) -> BoolArray:
     """(K, L) whether feet stand, from their contact points' speed (K, L) m/s and height (K, L) m.
 
     A foot that hardly moves for a tenth of a second stands, wherever: on the ground or on a box.
@@ -350,6 +348,6 @@ def standing(time: Array, speed: Array, height: Array) -> NDArray[np.bool_]:
     return stands
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(flags: BoolArray) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
     return [(int(first), int(end) - 1) for first, end in edges.reshape(-1, 2)]

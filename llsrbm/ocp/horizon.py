@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.ocp.composition import Composed
 from llsrbm.ocp.lifting import Lifting
 
@@ -83,9 +83,6 @@ class Horizon:
                 digest.update(run.build().as_text().encode())
             digest.update(f"{families[run.family], run.count, run.local, run.own}".encode())
         return digest.hexdigest()
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

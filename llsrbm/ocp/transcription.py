@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import IntArray
 from llsrbm.ocp.composition import Composed
 from llsrbm.ocp.horizon import Horizon, StageExpressions
 from llsrbm.ocp.stage_functions import StageFunctions, batched, make_stage_functions
@@ -184,7 +184,7 @@ def _evaluated(
 
 def _jacobian_pattern(stages: Sequence[_Stage]) -> ca.Sparsity:
     """Stage Jacobians below each other; each one's identity rows belong to the gap before it."""
-    found: list[NDArray[np.int64]] = []
+    found: list[IntArray] = []
     colind = [0]
     before = 0
     for stage in stages:

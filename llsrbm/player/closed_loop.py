@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from llsrbm.control.controller import Tick, WholeBodyController
 from llsrbm.control.delay import Measurement
 from llsrbm.control.motor_command import MotorCommand
@@ -17,8 +14,6 @@ from llsrbm.player.posture import Planned, up_of
 from llsrbm.player.tier import PERIOD, PlanTier
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 DAMPING = 0.01  # share of the drive's torque per rad/s, of motors around the torque they are sent
 UNSOLVED = 10  # ticks without a solution, 20 ms, after which the controller has nothing to say

@@ -16,13 +16,11 @@ from typing import Any
 
 import numpy as np
 from foxglove import Context, open_mcap
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.formats.logs.mcap_log import Entry, flat, numbers
 from llsrbm.formats.logs.series import Series
 from llsrbm.player.play_log import PlayLog
-
-Array = NDArray[np.float64]
 
 _XYZ, _WXYZ = ("x", "y", "z"), ("w", "x", "y", "z")
 _COMMAND = {"q": "rad", "dq": "rad/s", "tau": "Nm", "kp": "Nm/rad", "kd": "Nm s/rad"}

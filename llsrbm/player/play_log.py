@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 STATES = ("check", "ramp", "stand", "jump", "damp")
 _COMMAND = ("q", "dq", "tau", "kp", "kd")

@@ -15,7 +15,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import Tick
@@ -48,8 +47,6 @@ from llsrbm.wire.simulated_robot import (
     SimulatedRobot,
     TrueTick,
 )
-
-Array = NDArray[np.float64]
 
 _LOOK_EVERY = 20  # ticks between two calls of `cancelled` and `progress`
 

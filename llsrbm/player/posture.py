@@ -7,16 +7,14 @@ from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.motion.plan import Plan
 from llsrbm.robots import Robot
 from llsrbm.simulation.simulate import standing_state
 from llsrbm.wire.motor_map import MotorMap
 from llsrbm.wire.motors import standing_torque
-
-Array = NDArray[np.float64]
 
 # Of robots without a table [wire]: a joint that is off by this has its drive's whole torque, rad,
 # and s of damping for that stiffness.

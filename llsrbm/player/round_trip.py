@@ -5,15 +5,13 @@ from __future__ import annotations
 from collections import deque
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import torque_range
-
-Array = NDArray[np.float64]
 
 LONGEST = 32  # periods that are looked for
 # Torque that is added to a joint's to see when it comes back: share of the drive's, and Hz. It is

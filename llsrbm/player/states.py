@@ -6,16 +6,14 @@ from abc import ABC, abstractmethod
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.player.posture import Planned, brake, gains, up_of_quat
 from llsrbm.player.round_trip import RoundTrip
 from llsrbm.player.stops import LATE, tilt_from
 from llsrbm.player.tier import Tier
-
-Array = NDArray[np.float64]
 
 CHECKS_FOR = 0.5  # s of readings, without a command
 UPRIGHT = np.radians(20.0)  # of a robot that lies on its belly or stands

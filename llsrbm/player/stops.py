@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.player.posture import Planned, up_of_quat
@@ -17,8 +17,6 @@ from llsrbm.player.tier import PERIOD
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import torque_range
 from llsrbm.wire.link import Health
-
-Array = NDArray[np.float64]
 
 LINK_LOST = 0.02  # s without a reading: ten in a row
 TILTED = np.radians(45.0)  # from the planned attitude; beyond it no landing is on the feet

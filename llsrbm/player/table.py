@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
@@ -13,8 +12,6 @@ from llsrbm.motion.whole_body import motion_at
 from llsrbm.player.posture import Planned, gains, up_of
 from llsrbm.player.tier import PERIOD, PlanTier
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 # s by which rows are sent early: a command is followed about 2 ms later, for a period.
 LEAD = 0.003

@@ -5,16 +5,12 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.motion.plan import Plan
 from llsrbm.player.posture import FirstPosture, Planned
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 PERIOD = 0.002  # s between commands, and between readings, on the wires that are known
 STANDS = 1.0  # s after the plan's end in which the robot stands, as simulations judge it

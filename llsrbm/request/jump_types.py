@@ -15,10 +15,9 @@ from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
 from llsrbm.request.jump import TYPE_PARAMETERS as TYPE_PARAMETERS
@@ -47,7 +46,7 @@ class Legs(Protocol):
         """(L,) in the robot's order."""
 
     @property
-    def hips(self) -> NDArray[np.float64]:
+    def hips(self) -> Array:
         """(L, 3) m, base frame."""
 
 

@@ -13,8 +13,8 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import BoolArray
 from llsrbm.errors import InputError, printable
 
 LONGEST_NAME = 40  # characters of a phase's; it stands on a strip of the timeline
@@ -66,7 +66,7 @@ class Schedule:
         return self.phases[phase]
 
     @cached_property
-    def stands(self) -> NDArray[np.bool_]:
+    def stands(self) -> BoolArray:
         """(P, L) whether a foot stands in a phase."""
         return np.array([[leg in phase.feet for leg in self.legs] for phase in self.phases])
 
@@ -90,12 +90,12 @@ class Schedule:
         first = replace(self.phases[phase], time=time)
         return Schedule(self.legs, (first, *self.phases[phase + 1 :]), under_way=True)
 
-    def lifts(self, phase: int) -> NDArray[np.bool_]:
+    def lifts(self, phase: int) -> BoolArray:
         """(L,) feet that leave the ground as a phase begins."""
         before = self.stands[max(phase - 1, 0)]
         return before & ~self.stands[phase]
 
-    def lands(self, phase: int) -> NDArray[np.bool_]:
+    def lands(self, phase: int) -> BoolArray:
         """(L,) feet that meet the ground as a phase begins."""
         before = self.stands[max(phase - 1, 0)]
         return ~before & self.stands[phase]

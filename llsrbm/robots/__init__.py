@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.request.messages import look_up
 from llsrbm.robots.arms import built_arms
@@ -32,8 +32,6 @@ from llsrbm.robots.urdf import (
 )
 
 __all__ = ["Leg", "Robot", "RobotFile", "build_robot", "load_robot", "names", "read_robot_file"]
-
-Array = NDArray[np.float64]
 
 _SYMMETRIC_HIPS = 5e-3  # m; hips that agree this well are taken as exact mirror images.
 _CORNERS: Array = np.array(

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.robots.robot import Arm
 from llsrbm.robots.schema import RobotFile
 from llsrbm.robots.urdf import frame_id
-
-Array = NDArray[np.float64]
 
 _SEEN = np.array([-1.0, 1.0, -1.0])  # of a turn about (x, y, z) in a mirror at the plane y = 0
 

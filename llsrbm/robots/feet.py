@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
+from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.solids import PlacedSolid, placed_solids
-
-Array = NDArray[np.float64]
 
 _LEVEL = 0.01  # rad by which soles may lean: joint angles in a file are rounded
 

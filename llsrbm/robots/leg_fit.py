@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import turns_about_z
@@ -22,8 +22,6 @@ from llsrbm.robots.leg_maps import (
 )
 from llsrbm.robots.legs import TURN_ARM, foot_task, solve_legs
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 FIT_VERSION = "4"  # part of the cache key: raise it when a fit's numbers change
 _NOT_OF_LEGS = {  # tables of a robot's file that no leg depends on

@@ -22,9 +22,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.mechanics import apply, cross, rotation_vectors
-
-Array = NDArray[np.float64]
 
 # m: a sole's turn counts in inverse kinematics as what it moves a point at this distance, which is
 # about where the corners are.
@@ -74,12 +72,12 @@ class LegChains:
     """
 
     model: pin.Model
-    joint_ids: NDArray[np.int64]
+    joint_ids: IntArray
     foot_ids: tuple[int, ...]
     rest: Array | None = None
 
     @cached_property
-    def prismatic(self) -> NDArray[np.bool_]:
+    def prismatic(self) -> BoolArray:
         """(n,) whether the joint slides, the same for every leg."""
         kinds = [self.model.joints[j].shortname() for j in self.joint_ids[0].tolist()]
         return np.array([kind.startswith("JointModelP") for kind in kinds])
@@ -91,7 +89,7 @@ class LegChains:
         return np.sum(masses, axis=1)
 
     @cached_property
-    def _index(self) -> NDArray[np.int64]:
+    def _index(self) -> IntArray:
         """(L, n) of the joints among all velocities."""
         ids = self.joint_ids.tolist()
         return np.array([[self.model.joints[j].idx_v for j in leg] for leg in ids])

@@ -16,8 +16,8 @@ from itertools import combinations
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
@@ -25,8 +25,6 @@ from llsrbm.robots.placements import placements
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 Pair = tuple[str, str]  # names of links
 
 _SAMPLES = 4000  # random postures
@@ -70,7 +68,7 @@ class LinkShapes:
                 found[t, pair] = min(found[t, pair], measure(int(k)).min_distance)
         return found
 
-    def nearest(self, postures: Array) -> tuple[Array, Indices]:
+    def nearest(self, postures: Array) -> tuple[Array, IntArray]:
         """(T,) m, the smallest distance in postures q (T, nq), and (T,) its place in `pairs`.
 
         Infinite, with -1, without pairs. Many times as fast as `distances`: pairs whose spheres
@@ -153,7 +151,7 @@ class LinkShapes:
         return model
 
     @cached_property
-    def pair_of(self) -> Indices:
+    def pair_of(self) -> IntArray:
         """(K,) place in `pairs` of each of the geometry's pairs."""
         place = {frozenset(pair): k for k, pair in enumerate(self.pairs)}
         links = [shape.link for shape in self.shapes]

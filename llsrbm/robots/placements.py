@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import apply, cross
-
-Array = NDArray[np.float64]
 
 _BASE = slice(0, 3), slice(3, 6)  # velocities of the free base: linear, angular
 

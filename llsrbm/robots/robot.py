@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import InputError
 from llsrbm.robots.description import Description
 from llsrbm.robots.drives.table import (
@@ -23,8 +23,6 @@ from llsrbm.robots.drives.table import (
 from llsrbm.robots.leg_maps import LegFit
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import RobotFile
-
-Array = NDArray[np.float64]
 
 _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.
@@ -48,8 +46,8 @@ class Limb:
     name: str
     joints: tuple[str, ...]
     joint_ids: tuple[int, ...]
-    q_index: NDArray[np.int64]
-    v_index: NDArray[np.int64]
+    q_index: IntArray
+    v_index: IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,12 +152,12 @@ class Robot:
         return np.array([leg.mirror for leg in self.legs])
 
     @cached_property
-    def leg_joint_index(self) -> NDArray[np.int64]:
+    def leg_joint_index(self) -> IntArray:
         """(L, n): place of each leg's joints among `joint_names`."""
         return np.array([leg.q_index for leg in self.legs]) - 7
 
     @cached_property
-    def arm_joint_index(self) -> NDArray[np.int64]:
+    def arm_joint_index(self) -> IntArray:
         """(A n,): places of the arms' joints among `joint_names`, arm after arm."""
         index = [arm.q_index - 7 for arm in self.arms]
         return np.concatenate(index) if index else np.zeros(0, dtype=np.int64)

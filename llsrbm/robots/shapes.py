@@ -16,13 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.solids import PlacedSolid, convex_hull, placed_solids
-
-Array = NDArray[np.float64]
 
 Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 

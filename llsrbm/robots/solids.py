@@ -10,16 +10,14 @@ from typing import TYPE_CHECKING, Literal
 import coal
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.robots.description import Description, Solid
 from llsrbm.robots.mesh_files import read_meshes
 from llsrbm.robots.urdf import frame_id
 
 if TYPE_CHECKING:
     import trimesh
-
-Array = NDArray[np.float64]
 
 _ROUND = 32  # faces around a cylinder that is drawn
 _CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])

@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array, BoolArray
 
 _FOUND = 1 << int(mujoco.mjtConDataField.mjCONDATA_FOUND)
 _FORCE = 1 << int(mujoco.mjtConDataField.mjCONDATA_FORCE)
@@ -87,9 +86,9 @@ class ContactReader:
             if np.logical_or.reduce(others):
                 self._touching.append((step, geoms[others].tolist()))
 
-    def touched(self) -> NDArray[np.bool_]:
+    def touched(self) -> BoolArray:
         """(S, L): whether each foot touched anything in each step."""
-        touched: NDArray[np.bool_] = np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)
+        touched: BoolArray = np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)
         return touched
 
     def mean_force(self) -> Array:

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.body.momentum import centroidal_states
 from llsrbm.control.controller import Tick, WholeBodyController
 from llsrbm.control.delay import Measurement
@@ -22,8 +22,6 @@ from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.world import Diverged, TickResult, World
-
-Array = NDArray[np.float64]
 
 
 class Recorder:
@@ -75,7 +73,7 @@ class Recorder:
         time: Array = stride * tick * np.arange(len(states), dtype=np.float64)
         return time, np.concatenate([q[:, :3], q[:, 6:7], q[:, 3:6], q[:, 7:]], axis=1)
 
-    def arrays(self, joint_order: NDArray[np.int64]) -> dict[str, Any]:
+    def arrays(self, joint_order: IntArray) -> dict[str, Any]:
         """The columns, joints in the simulator's order: places (J,) in `Robot.joint_names`."""
         ticks, results = self.ticks, self.results
         return {

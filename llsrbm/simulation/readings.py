@@ -17,14 +17,12 @@ import math
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.readings import Readings
 from llsrbm.mechanics import GRAVITY, cross
 from llsrbm.robots import Robot
 from llsrbm.simulation.world import TickResult
-
-Array = NDArray[np.float64]
 
 # Gyroscope. A density over the root of the tick is the noise of what is read.
 GYRO_NOISE = math.radians(0.014)  # rad/s/Hz^0.5

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.reference import Reference
 from llsrbm.control.swing import UnderWay
 from llsrbm.control.whole_body import WholeBody
@@ -28,8 +28,6 @@ from llsrbm.planning.replan.replanner import Answer, Replanner
 from llsrbm.planning.replan.under_way import State
 from llsrbm.robots import Robot
 from llsrbm.simulation.episode import Hook, Situation
-
-Array = NDArray[np.float64]
 
 PERIOD = 0.02  # s: 50 Hz
 # s from a measurement until its answer is followed, where a robot's file states none: with four

@@ -9,8 +9,8 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.rollout import Disturbance
@@ -20,9 +20,6 @@ from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.urdf import BASE_JOINT, ROUNDED
 from llsrbm.simulation.contacts import add_sensors
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 # Elliptic cones with friction ten times as stiff as the normal: feet that stand do not creep.
 FRICTION_STIFFNESS = 10.0
@@ -51,8 +48,8 @@ class Scene:
 
     # MuJoCo's; motors and sensors in the order of the robot's joints and legs.
     model: mujoco.MjModel
-    q_order: Indices  # (7 + J,) MuJoCo's qpos in the order of Pinocchio's q
-    v_order: Indices  # (6 + J,) the same for velocities; their base is in another frame as well
+    q_order: IntArray  # (7 + J,) MuJoCo's qpos in the order of Pinocchio's q
+    v_order: IntArray  # (6 + J,) the same for velocities; their base is in another frame as well
     surroundings: Surroundings  # what stands around the robot
     block_ids: tuple[int, ...]  # index of each of its blocks among the mocap bodies
 

@@ -15,9 +15,8 @@ from typing import ClassVar
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
-from llsrbm.control.contact_schedule import Feet
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.control.delay import Measurement
 from llsrbm.estimation.state_estimator import StateEstimator
 from llsrbm.motion.rollout import Disturbance
@@ -27,7 +26,6 @@ from llsrbm.robots import Robot
 from llsrbm.simulation.readings import Instruments
 from llsrbm.simulation.world import TickResult
 
-Array = NDArray[np.float64]
 State = tuple[Array, Array]  # q (nq,) and v (nv,), Pinocchio's conventions
 
 # What `drift` errs by. Published closed loops of quadrupeds that walk end off by 0.1 to 2 % of the
@@ -54,7 +52,7 @@ class Estimator(ABC):
 
     @abstractmethod
     def estimate(
-        self, time: float, state: State, last: TickResult | None, standing: Feet
+        self, time: float, state: State, last: TickResult | None, standing: BoolArray
     ) -> tuple[Array, Array, Array]:
         """Estimated q, v and torques (J,) at `time`, s, as a tick begins.
 
@@ -69,7 +67,7 @@ class Truth(Estimator):
     name, summary = "truth", "the true position and attitude"
 
     def estimate(
-        self, time: float, state: State, last: TickResult | None, standing: Feet
+        self, time: float, state: State, last: TickResult | None, standing: BoolArray
     ) -> tuple[Array, Array, Array]:
         return *state, _torque(state, last)
 
@@ -101,7 +99,7 @@ class Drift(Estimator):
         self._position = np.zeros(3)
 
     def estimate(
-        self, time: float, state: State, last: TickResult | None, standing: Feet
+        self, time: float, state: State, last: TickResult | None, standing: BoolArray
     ) -> tuple[Array, Array, Array]:
         q, v = state
         R_true = pin.Quaternion(q[3:7]).toRotationMatrix()
@@ -157,14 +155,14 @@ class Imu(Estimator):
         self._estimator: StateEstimator | None = None
 
     def estimate(
-        self, time: float, state: State, last: TickResult | None, standing: Feet
+        self, time: float, state: State, last: TickResult | None, standing: BoolArray
     ) -> tuple[Array, Array, Array]:
         if self._estimator is None:
             self._estimator = self._stood(state, standing)
         readings = self._instruments.read(time, state, last)
         return *self._estimator.update(readings, standing), readings.torque
 
-    def _stood(self, state: State, standing: Feet) -> StateEstimator:
+    def _stood(self, state: State, standing: BoolArray) -> StateEstimator:
         q, v = state
         estimator, at_rest = StateEstimator(self._robot, q), np.zeros_like(v)
         for k in range(-round(STOOD / self._tick), 0):
@@ -203,7 +201,7 @@ class Sensors:
         self._under_way: deque[tuple[Array, Array, Array]] = deque(maxlen=late + 1)
 
     def measure(
-        self, time: float, state: State, last: TickResult | None, standing: Feet
+        self, time: float, state: State, last: TickResult | None, standing: BoolArray
     ) -> Measurement:
         """The measurement `time` s after the start; earlier than its delay, the first state.
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import braking_time
 from llsrbm.control.whole_body import WholeBody
@@ -28,8 +28,6 @@ from llsrbm.simulation.replanning import Replanning
 from llsrbm.simulation.sensors import Sensors
 from llsrbm.simulation.verdict import judge
 from llsrbm.simulation.world import World
-
-Array = NDArray[np.float64]
 
 _EXACT = 1e-9  # m and rad: where Newton's step stops
 _GOOD = 1e-5  # m and rad: far below what feet sink in by standing

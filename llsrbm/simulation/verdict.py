@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array
 from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
@@ -39,8 +39,6 @@ from llsrbm.motion.replan import Replan
 from llsrbm.robots import Robot
 from llsrbm.simulation.contacts import Touch
 from llsrbm.simulation.episode import Fall, Recorder
-
-Array = NDArray[np.float64]
 
 # The thresholds of a fall; those of strict success are in `llsrbm.motion.outcome`.
 _LOW = 0.7  # of the planned height of the CoM above its feet: below this a robot sits, not stands

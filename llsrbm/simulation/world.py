@@ -12,16 +12,14 @@ from typing import Protocol
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.robot import Robot
 from llsrbm.simulation.contacts import ContactReader, Touch
 from llsrbm.simulation.scene import build_scene, hung_posture
-
-Array = NDArray[np.float64]
 
 _log = logging.getLogger(__name__)
 
@@ -51,7 +49,7 @@ class TickResult:
 
     # (L, 3) N, mean of the tick, world frame: on the foot, sum of all it touches.
     contact_force: Array
-    contact: NDArray[np.bool_]  # (L,) whether the foot touched in any step of the tick
+    contact: BoolArray  # (L,) whether the foot touched in any step of the tick
     first_contact: Array  # (L,) s: start of the first step in which it did; nan if none
     torque: Array  # (J,) Nm or N as applied, mean of the tick
     # (J,) most that the drives could give at their speed, in the torque's direction; mean of the
@@ -225,7 +223,7 @@ class World:
             # MuJoCo has already put the robot back to where its model was compiled.
             raise Diverged(self._cause())
         touched = self._contacts.touched()
-        contact: NDArray[np.bool_] = np.logical_or.reduce(touched)
+        contact: BoolArray = np.logical_or.reduce(touched)
         start = self.time
         first = start + touched.argmax(axis=0) * (self.tick / self._steps)
         self._ticks += 1

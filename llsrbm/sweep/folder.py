@@ -17,8 +17,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self, TextIO
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import BoolArray
 from llsrbm.errors import Error, InputError
 from llsrbm.file_locks import lock
 from llsrbm.sweep.rows import TableRow, schema, table_of
@@ -51,7 +51,7 @@ class Folder:
         """
         self.path, self.points = path, points
         self.damaged: list[str] = []
-        self.done: NDArray[np.bool_] = np.zeros(points.count, dtype=bool)
+        self.done: BoolArray = np.zeros(points.count, dtype=bool)
         self._schema = schema(points.spec)
         self._first, self._next, self._rows = 0, 0, list[TableRow]()
         self._since = time.monotonic()

@@ -17,8 +17,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import load_type, with_defaults
@@ -147,7 +147,7 @@ class Points:
             found[dimension.where, dimension.name] = dimension.value(value, ranges)
         return dict(reversed(found.items()))
 
-    def _shares(self, place: int) -> NDArray[np.float64]:
+    def _shares(self, place: int) -> Array:
         """(d,) of each axis' range, 0 to 1."""
         dimensions, seed = len(self._dimensions), self.spec.seed
         if self.spec.sampling == "random":
@@ -157,7 +157,7 @@ class Points:
 
 
 @lru_cache(maxsize=4)
-def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
+def _sobol(dimensions: int, seed: int, block: int) -> Array:
     """(_BLOCK, d) of a scrambled Sobol sequence."""
     from scipy.stats import qmc
 
@@ -166,7 +166,7 @@ def _sobol(dimensions: int, seed: int, block: int) -> NDArray[np.float64]:
     sequence = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     if block:
         sequence.fast_forward(block * _BLOCK)
-    points: NDArray[np.float64] = sequence.random(_BLOCK)
+    points: Array = sequence.random(_BLOCK)
     return points
 
 

@@ -14,16 +14,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.errors import InputError
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.wire.motor_map import MotorMap
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.motion.bodies import JointOrder, urdf_joints
 from llsrbm.request.messages import choices
 from llsrbm.robots import Robot
 from llsrbm.robots.wire_schema import MESSAGE_MOTORS, Wire
 
-Array = NDArray[np.float64]
-_Index = NDArray[np.int64]
+_Index = IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,14 +34,14 @@ class MotorMap:
 
     family: str
     joints: tuple[str, ...]
-    used: NDArray[np.bool_]
+    used: BoolArray
     kp: Array
     kd: Array
     _number: _Index  # (J,) of each joint's motor
     _ratio: Array  # (M,) sign * gear
     _zero: Array  # (M,) rad or m
     _held: Array  # (M,) rad or m of joints that the file holds
-    _is_held: NDArray[np.bool_]  # (M,)
+    _is_held: BoolArray  # (M,)
     _stiffness: Array  # (M,) of the file, at the joints
     _damping: Array  # likewise
 

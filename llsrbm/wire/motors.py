@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
 from llsrbm.wire.channel import Channel
-
-Array = NDArray[np.float64]
 
 # s without a command until motors brake. Unitree's own do not say; drivers for its A1 took commands
 # for lost after as long. Less would brake for a computer's ordinary pauses.

@@ -12,8 +12,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.control.motor_command import MotorCommand
 from llsrbm.control.readings import Readings
 from llsrbm.errors import InputError
@@ -26,8 +26,6 @@ from llsrbm.simulation.world import FLAT, TickResult, World, steps_in
 from llsrbm.wire.channel import Channel, Faults
 from llsrbm.wire.link import Link
 from llsrbm.wire.motors import Motors
-
-Array = NDArray[np.float64]
 
 TICK = 0.002  # s between readings: as Unitree's robots send them
 # Share of its voltage that a battery loses a W/kg of the robot, by its inner resistance: Go2's 8

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from llsrbm.control.motor_command import MotorCommand
@@ -14,8 +13,6 @@ from llsrbm.wire.layout import Layout, Record
 from llsrbm.wire.link import Health
 from llsrbm.wire.motor_map import MotorMap
 from llsrbm.wire.unitree_layouts import FAMILIES
-
-Array = NDArray[np.float64]
 
 _HEAD, _LOW_LEVEL = (0xFE, 0xEF), 0xFF
 _CONTROLLED = 1  # a motor's mode: by its five numbers

@@ -12,7 +12,7 @@ from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array, BoolArray
 
 _RADIUS = 0.018  # m
 
@@ -104,7 +104,7 @@ class Trails(Overlay):
         )
 
 
-def _stretches(there: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _stretches(there: BoolArray) -> list[tuple[int, int]]:
     """First frame and the one after the last, of each stretch of frames (F,) that are there."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
     return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]

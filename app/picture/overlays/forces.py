@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.mechanics import INSCRIBED, Array
+from llsrbm.mechanics import INSCRIBED
 
 ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
 
@@ -107,7 +107,7 @@ class CentreOfPressure(Overlay):
         ]
 
 
-def centre_of_pressure(frames: ShownMotion) -> tuple[Array, NDArray[np.bool_]]:
+def centre_of_pressure(frames: ShownMotion) -> tuple[Array, BoolArray]:
     """(F, 3) m, and (F,) whether there is one: in flight it is below the CoM, and none."""
     load = np.maximum(frames.foot_force[..., 2], 0.0)
     total = load.sum(axis=1)

@@ -13,7 +13,7 @@ from app.motion.clip import AnimationChannel, Track
 from app.motion.colours import Rgb
 from app.picture.drawing import Group, Meaning, Overlay
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array
+from llsrbm.arrays import Array
 
 _SIDES = 48  # of a ring
 _THICK = 2.0  # pixels

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
@@ -13,7 +12,8 @@ from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
-from llsrbm.mechanics import Array, interpolated
+from llsrbm.arrays import Array, IntArray
+from llsrbm.mechanics import interpolated
 from llsrbm.motion.replan import Replan
 
 _PIECES = 14  # of the CoM's path
@@ -74,7 +74,7 @@ def _path(replan: Replan) -> Array:
     return interpolated(times, replan.time, replan.com)
 
 
-def _times(taken: Sequence[Replan]) -> tuple[Array, NDArray[np.int64]]:
+def _times(taken: Sequence[Replan]) -> tuple[Array, IntArray]:
     """Instants at which a plan begins and ends to be followed, and its number."""
     times, which = [max(0.0, taken[0].applied - _SWITCH)], [0]
     for number, replan in enumerate(taken):

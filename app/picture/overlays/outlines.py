@@ -16,8 +16,8 @@ from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.analysis.landing_region import SIDES, expected_touchdown, landing_regions
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
 
 _WIDE, _THICK = 0.012, 0.003  # m, of an edge
@@ -52,7 +52,7 @@ class SupportPolygon(Overlay):
         return _bars(names, points, along, length + _WIDE, there)
 
 
-def edges(points: Array, standing: NDArray[np.bool_]) -> NDArray[np.int64]:
+def edges(points: Array, standing: BoolArray) -> IntArray:
     """The hull's edges, (F, C): of each of the points that stand the next corner, or -1.
 
     Against the clock, seen from above: `points` (F, C, 2) m, `standing` (F, C).
@@ -65,7 +65,7 @@ def edges(points: Array, standing: NDArray[np.bool_]) -> NDArray[np.int64]:
     return after
 
 
-def _hull(points: Array, among: NDArray[np.int64]) -> list[int]:
+def _hull(points: Array, among: IntArray) -> list[int]:
     """Corners of the convex hull against the clock; the two ends of points on one line."""
     places = points[among]
     if len(among) > 2:

@@ -6,15 +6,14 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.motion import colours
 from app.motion.clip import Track
 from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.mechanics import Array
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.robots import Robot
 
@@ -72,7 +71,7 @@ def regions(robot: Robot, region: Region) -> tuple[bytes, ...]:
     return tuple(gltf.solid(mesh, colours.REACH, 0.16, sharp=False) for mesh in meshes)
 
 
-def surface(region: Region) -> tuple[Array, NDArray[np.int64]]:
+def surface(region: Region) -> tuple[Array, IntArray]:
     """Vertices (V, 3) m in the hip's frame and faces of the boundary of a region.
 
     A grid on the box' faces, drawn in towards the region's middle: to the farther sphere where the
@@ -88,7 +87,7 @@ def surface(region: Region) -> tuple[Array, NDArray[np.int64]]:
     # |middle + t ray| = radius, a quadratic equation in t.
     a, b = np.sum(ray * ray, axis=1), ray @ middle
 
-    def hits(radius: float) -> tuple[Array, Array, NDArray[np.bool_]]:
+    def hits(radius: float) -> tuple[Array, Array, BoolArray]:
         root = b * b - a * (middle @ middle - radius**2)
         crossing = root >= 0
         apart = np.sqrt(np.where(crossing, root, 0.0))
@@ -118,7 +117,7 @@ def _middle(region: Region) -> Array | None:
     return points[best] if room[best] > 0 else None
 
 
-def _box_grid(lower: Array, upper: Array) -> tuple[Array, NDArray[np.int64]]:
+def _box_grid(lower: Array, upper: Array) -> tuple[Array, IntArray]:
     """A box' surface in squares of two triangles each, seen from outside."""
     steps = np.linspace(0.0, 1.0, _GRID + 1)
     u, v = (side.ravel() for side in np.meshgrid(steps, steps, indexing="ij"))
@@ -126,7 +125,7 @@ def _box_grid(lower: Array, upper: Array) -> tuple[Array, NDArray[np.int64]]:
     square = np.stack([corner, corner + _GRID + 1, corner + _GRID + 2, corner + 1], axis=1)
     triangles = np.concatenate([square[:, [0, 1, 2]], square[:, [0, 2, 3]]])
     points: list[Array] = []
-    faces: list[NDArray[np.int64]] = []
+    faces: list[IntArray] = []
     for axis in range(3):
         for end in (0.0, 1.0):
             share = np.empty((len(u), 3))

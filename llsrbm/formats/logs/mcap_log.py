@@ -12,6 +12,7 @@ from foxglove import Channel, Context, channels, open_mcap
 from foxglove import messages as fm
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.formats.logs.series import (
     GHOST,
     GROUND_SIZE,
@@ -29,7 +30,6 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Block, Surroundings
 from llsrbm.motion.trajectory import Trajectory
 
-Array = NDArray[np.float64]
 Entry = tuple[int, Any, Any]
 """Ns, channel, message."""
 

@@ -16,6 +16,7 @@ import rerun.blueprint as rrb
 import rerun_bindings
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.formats.logs.series import (
     GHOST,
@@ -32,8 +33,6 @@ from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.motion.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 APPLICATION = "llsrbm"
 TIMELINE = "time"

@@ -6,15 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.look.shown_motion import ShownMotion, mass_of, shown_motion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import whole_body_motion
-
-Array = NDArray[np.float64]
 
 GHOST = 0.3  # opacity of a plan beside what was made of it
 GROUND_SIZE = (4.0, 4.0, 0.01)  # m; its top is the ground

@@ -35,8 +35,8 @@ import json
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
 from llsrbm.formats.base import Format, Options, Purpose, driven_robot
@@ -48,8 +48,6 @@ from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
-
-Array = NDArray[np.float64]
 
 SCENE, MOTION, README = "scene.xml", "motion.npz", "README.txt"
 _SAME_INSTANT = 1e-9  # s

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, open_archive, read_archive
 from llsrbm.files.quantity import POSITION, TIME, VELOCITY, Quantity
@@ -19,8 +19,6 @@ from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, jo
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
-
-Array = NDArray[np.float64]
 
 _MOTION = "motion.npz"  # in a folder, or in its zip
 _SCENE = "scene.xml"  # beside it

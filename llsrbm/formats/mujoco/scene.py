@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.cluster.hierarchy import fcluster, linkage
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.look.visuals import LinkVisual, link_visuals
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import Robot
 from llsrbm.simulation.scene import compiled, joints_in_model_order, moving_bodies, scene_spec
-
-Array = NDArray[np.float64]
 
 MESHES = "meshes"  # folder beside the MJCF
 _LOOKS, _TOUCHES = 2, 3  # geom groups, as is usual: MuJoCo's viewer shows 0 to 2
@@ -147,7 +146,7 @@ def _add_visuals(spec: mujoco.MjSpec, robot: Robot) -> dict[str, bytes]:
     return files
 
 
-def _palette(visuals: Sequence[LinkVisual]) -> tuple[Array, list[NDArray[np.int64]]]:
+def _palette(visuals: Sequence[LinkVisual]) -> tuple[Array, list[IntArray]]:
     """A robot's few colours (C, 3), 0 to 1, and for each of its meshes the colour of each face.
 
     MuJoCo has no colours of vertices, so every colour is a mesh of its own; photographs have been

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.look.shown_motion import ShownMotion, shown_trajectory
 from llsrbm.look.timeline import Timeline, timeline
 from llsrbm.look.visuals import LinkVisual, link_visuals, viewpoint
@@ -16,8 +16,6 @@ from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import evenly
 from llsrbm.motion.trajectory import Trajectory
-
-Array = NDArray[np.float64]
 
 FIELD_OF_VIEW = 36.0  # deg, upright
 _ROOM = 1.06  # a little more than what the robot needs

@@ -7,9 +7,8 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from llsrbm.arrays import Array
 
 _GHOST, _ELLIPSOID = 0.16, 0.13  # opacity
 _NO_SHADOW = mujoco.mjtCatBit.mjCAT_DECOR  # such things cast none

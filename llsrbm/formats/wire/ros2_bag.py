@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from rosbags.interfaces import (
     Qos,
     QosDurability,
@@ -21,6 +20,7 @@ from rosbags.interfaces import (
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
+from llsrbm.arrays import Array
 from llsrbm.formats.base import ORDERS
 from llsrbm.look.visuals import forward_kinematics
 from llsrbm.mechanics import rotation_matrices
@@ -28,7 +28,6 @@ from llsrbm.motion.bodies import body_order, link_paths, urdf_joints
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 
-Array = NDArray[np.float64]
 _Message = tuple[str, str, int, Any]  # topic, type, ns, message
 
 _NAME = "jump"  # of the bag's file

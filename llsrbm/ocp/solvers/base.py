@@ -12,13 +12,11 @@ from typing import Any, ClassVar
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

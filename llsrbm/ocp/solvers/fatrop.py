@@ -8,16 +8,14 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.fatrop_patches import LARGEST_SCALE, WITHIN
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import printed_into
 from llsrbm.ocp.solvers.base import NEAR_MU, NEAR_TOLERANCE, SolveOptions, Solver, largest_violation
 from llsrbm.ocp.transcription import Transcribed
-
-Array = NDArray[np.float64]
 
 # Near starts converge in 2 to 10 iterations; a cold start is quicker than waiting for more.
 NEAR_ITERATIONS = 15

@@ -6,13 +6,10 @@ from dataclasses import replace
 from typing import Any
 
 import casadi as ca
-import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.solvers.base import FROM_GUESS, NEAR_MU, SolveOptions, Solver
-
-Array = NDArray[np.float64]
 
 
 class Ipopt(Solver):

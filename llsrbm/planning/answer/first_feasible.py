@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from llsrbm.arrays import Array
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.answer.nearby import NEARBY_MISS
@@ -28,8 +26,6 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
-
-Array = NDArray[np.float64]
 
 # From a plan nearby, as `nearby.NEARBY_MISS` has it: 9 to 25 iterations.
 FROM_NEARBY = replace(solvers.FROM_GUESS, mu=1e-4, push=1e-3, iterations=50)

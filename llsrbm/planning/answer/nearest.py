@@ -14,8 +14,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import NoFooting
 from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
@@ -43,8 +43,6 @@ from llsrbm.planning.solve.formulation import (
 from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import COMPONENTS, Jump
-
-Array = NDArray[np.float64]
 
 # rad and m: results are whole steps of the components that are reduced.
 STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
@@ -144,7 +142,7 @@ class ElasticFormulation(Formulation):
         return self.layout
 
     @cached_property
-    def _variables(self) -> NDArray[np.int64]:
+    def _variables(self) -> IntArray:
         """Places of the plain problem's variables."""
         pairs = [
             (self.layout.variables(knot)[name], place)
@@ -154,7 +152,7 @@ class ElasticFormulation(Formulation):
         return np.concatenate([np.arange(mine.start, mine.stop) for mine, _ in pairs])
 
     @cached_property
-    def _shortfall(self) -> NDArray[np.int64]:
+    def _shortfall(self) -> IntArray:
         """(n, 4) places of what is given up; the first of its choice, the others of the states."""
         return np.vstack([self.layout.places(NEXT_SHORTFALL), self.layout.places(SHORTFALL)])
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.models import check_name, make_model
 from llsrbm.models.base import CentroidalModel
@@ -25,13 +26,7 @@ from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.formulation import (
-    Array,
-    Attempt,
-    Formulation,
-    best_of,
-    solve_options,
-)
+from llsrbm.planning.solve.formulation import Attempt, Formulation, best_of, solve_options
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import cached_solver, is_built, of_jumps

@@ -12,8 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.answer.nearest import ELASTIC_DEARER, LEAST_SHORTFALL, Nearest, distance
@@ -34,8 +34,6 @@ from llsrbm.planning.problem.violations import (
 from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import changes
-
-Array = NDArray[np.float64]
 
 # Of a limit, or of its unit where it is next to nothing: the step with which gains are measured.
 STEP, LEAST = 0.01, 0.01

@@ -11,14 +11,12 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import NoFooting
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.feet import foot_contacts
-
-Array = NDArray[np.float64]
 
 RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
 SHINS = (1 / 3, 2 / 3)  # of the way from knee to foot, points that are looked at

@@ -15,8 +15,8 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.foot_clearance import (
     APART,
@@ -31,8 +31,6 @@ from llsrbm.planning.problem.rotations import quat_product
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import COMPONENTS
-
-Array = NDArray[np.float64]
 
 SHORTFALL = "shortfall"  # state: shares of the ranges by which the request's components are reduced
 NEXT_SHORTFALL = "next_shortfall"  # control: what they become

@@ -5,12 +5,10 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.task import Task
-
-Array = NDArray[np.float64]
 
 # How far corners of soles below the landing surface may come nearer to it than they stood at the
 # start, m: its edge may be anywhere in between, but they are there at lift-off.

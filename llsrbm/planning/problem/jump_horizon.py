@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
@@ -32,12 +33,8 @@ from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.robot import Robot
 
-Array = NDArray[np.float64]
-
 _BODY = np.zeros(max(place.stop for place in BODY_PLACES.values()))
-_within: WeakKeyDictionary[Robot, dict[tuple[Layout, Layout], NDArray[np.int64]]] = (
-    WeakKeyDictionary()
-)
+_within: WeakKeyDictionary[Robot, dict[tuple[Layout, Layout], IntArray]] = WeakKeyDictionary()
 
 
 def constraints_of(role: Role) -> tuple[Constraint, ...]:
@@ -124,7 +121,7 @@ def row_places(layout: Layout, task: Task) -> tuple[dict[Hashable, NDArray[Any]]
     return places, knot
 
 
-def rows_within(layout: Layout, wider: Layout, task: Task) -> NDArray[np.int64]:
+def rows_within(layout: Layout, wider: Layout, task: Task) -> IntArray:
     """(rows,) places of a layout's rows of g among those of a layout with more states.
 
     A task changes the rows' bounds, not their number, which is the layout's and the robot's: the

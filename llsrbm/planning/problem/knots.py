@@ -8,8 +8,8 @@ from functools import cached_property, lru_cache
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
@@ -27,8 +27,6 @@ from llsrbm.planning.problem.parameters import (
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task, contact_points
-
-Array = NDArray[np.float64]
 
 DYNAMICS = "dynamics"
 """Rows that are gaps between the body's states and what they follow from; those of other states are
@@ -60,7 +58,7 @@ class RowValues:
     values: Array
     lower: Array
     upper: Array
-    knot: NDArray[np.int64]
+    knot: IntArray
 
 
 # Task and variables -> rows of each constraint, and of the dynamics under "dynamics".
@@ -181,7 +179,7 @@ class Knots:
     evaluate: Evaluate | None = None
 
     @property
-    def phase(self) -> NDArray[np.int64]:
+    def phase(self) -> IntArray:
         """(N+1,) of the schedule, of the interval that begins at a knot."""
         return self.layout.phase
 

@@ -18,12 +18,10 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.planning.problem.roles import Role, roles_of
 from llsrbm.request.schedule import Schedule
-
-Array = NDArray[np.float64]
 
 BODY = ("position", "quat", "velocity", "momentum")
 # Among the states of a knot, of which they are the first.
@@ -165,7 +163,7 @@ class Layout:
         )
 
     @cached_property
-    def phase(self) -> NDArray[np.int64]:
+    def phase(self) -> IntArray:
         """(N + 1,) index of each knot's phase."""
         return np.array([role.phase for role in self.roles], dtype=np.int64)
 
@@ -175,12 +173,12 @@ class Layout:
         return np.concatenate([*(np.arange(c) / c for c in self.intervals), [1.0]])
 
     @cached_property
-    def standing(self) -> NDArray[np.bool_]:
+    def standing(self) -> BoolArray:
         """(N + 1, L) whether a foot stands over the interval that starts at the knot."""
         return np.array(self.stands)[self.phase]
 
     @cached_property
-    def first_knots(self) -> NDArray[np.int64]:
+    def first_knots(self) -> IntArray:
         """(P + 1,) knots at which phases begin, and the last."""
         return np.concatenate([[0], np.cumsum(self.intervals)]).astype(np.int64)
 
@@ -292,7 +290,7 @@ class Layout:
         """Name -> place in the vector of all variables, states first."""
         return self._places[knot]
 
-    def places(self, name: str) -> NDArray[np.int64]:
+    def places(self, name: str) -> IntArray:
         """(n, size) places of a variable in the vector, a row for each knot that has it."""
         rows = (here[name] for here in self._places if name in here)
         return np.array([np.arange(row.start, row.stop) for row in rows])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.planning.problem.clearance_profile import CLEARANCE_PARAMETERS, clearance_parameters
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
 from llsrbm.planning.problem.elastic import (
@@ -18,8 +18,6 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.stage_body import StageBody
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import Jump
-
-Array = NDArray[np.float64]
 
 OWN = "own"
 """The parameters that each interval has for itself, `Layout.own_numbers` of it."""

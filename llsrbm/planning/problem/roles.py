@@ -8,7 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from llsrbm.arrays import BoolArray
 
 
 @dataclass(frozen=True)
@@ -163,5 +164,5 @@ def roles_of(
     return (*roles, end)
 
 
-def _legs(mask: NDArray[np.bool_]) -> tuple[int, ...]:
+def _legs(mask: BoolArray) -> tuple[int, ...]:
     return tuple(int(leg) for leg in np.flatnonzero(mask))

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.models import free_arms_of
 from llsrbm.models.drives import near_stops
 from llsrbm.planning.problem.apex import FREE_APEX
@@ -20,8 +20,6 @@ from llsrbm.request.tuning import Tuning
 from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Foot, Limits, Reach, Timing
-
-Array = NDArray[np.float64]
 
 # What trunk, knees and feet keep from what they clear, m: feet of simulated jumps are 2 cm lower
 # than planned where they cross a hurdle, and knees are thick.
@@ -204,25 +202,25 @@ class Task:
         return len(self.robot.joint_names)
 
     @cached_property
-    def stopped_joints(self) -> NDArray[np.int64]:
+    def stopped_joints(self) -> IntArray:
         """(n,) places among `joint_names` of joints that may come near a stop: of arms all."""
         legs = self.robot.leg_joint_index[near_stops(self.robot)]
-        found: NDArray[np.int64] = np.concatenate([legs, self.free_arms])
+        found: IntArray = np.concatenate([legs, self.free_arms])
         return found
 
     @cached_property
-    def free_arms(self) -> NDArray[np.int64]:
+    def free_arms(self) -> IntArray:
         """(A n,) places among `joint_names` of the joints of free arms."""
         free = free_arms_of(self.jump, self.robot)
-        index: NDArray[np.int64] = self.robot.arm_joint_index
+        index: IntArray = self.robot.arm_joint_index
         return index if free else index[:0]
 
     @cached_property
-    def held_arms(self) -> NDArray[np.int64]:
+    def held_arms(self) -> IntArray:
         """(n,) places among `joint_names` of the joints of arms that are held, as if they were
         locked: no plan is refused for what that takes.
         """
-        index: NDArray[np.int64] = np.setdiff1d(self.robot.arm_joint_index, self.free_arms)
+        index: IntArray = np.setdiff1d(self.robot.arm_joint_index, self.free_arms)
         return index
 
     @cached_property
@@ -241,7 +239,7 @@ class Task:
         return time
 
     @cached_property
-    def places_before(self) -> NDArray[np.int64]:
+    def places_before(self) -> IntArray:
         """(P, L) the place in which a foot stands in a phase, or stood last."""
         stands, first = self.schedule.stands, self.schedule[0].place
         before = np.full(stands.shape, first, dtype=np.int64)
@@ -250,7 +248,7 @@ class Task:
         return before
 
     @cached_property
-    def places_after(self) -> NDArray[np.int64]:
+    def places_after(self) -> IntArray:
         """(P, L) the place in which a foot stands in a phase, or stands next."""
         stands, after = self.schedule.stands, self.places_before.copy()
         for p in reversed(range(len(stands) - 1)):
@@ -272,7 +270,7 @@ class Task:
         before, after = ([self._each_in(places) for places in rows] for rows in each)
         return before, after
 
-    def _each_in(self, places: NDArray[np.int64]) -> Footholds:
+    def _each_in(self, places: IntArray) -> Footholds:
         """Each foot where it stands in its place (L,)."""
         rows = [self.places[place] for place in places]
         legs, corners = range(len(rows)), len(self.corners)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import Stop
 from llsrbm.mechanics import GRAVITY, turns_between
 from llsrbm.motion.solve_report import Violation
@@ -15,8 +15,6 @@ from llsrbm.planning.problem.constraints.base import JointDemand
 from llsrbm.planning.problem.knots import DYNAMICS, Knots
 from llsrbm.planning.problem.layout import BODY_PLACES, SHIFT, TURNED
 from llsrbm.planning.problem.limit_table import Limit
-
-Array = NDArray[np.float64]
 
 # A plan is solved when no violation exceeds this in its own SI unit: 1 mm, 1 mN, 1 mm/s ...
 TOLERANCE = 1e-3

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.mechanics import GRAVITY, interpolated, sign_continuous
 from llsrbm.models import free_arms_of, make_model
@@ -43,8 +43,6 @@ from llsrbm.planning.solve.solver_cache import cached_solver, of_jumps
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 # Of a stance, and of a flight, whose stages take twice as long to solve. Plans have 16; what
 # is left of a phase is shorter, and the next answer comes soon.

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.apex import FREE_APEX
 from llsrbm.planning.problem.task import Task
-
-Array = NDArray[np.float64]
 
 # Shares of the drives, and factors of the robot file's reach, see `relaxed_limits`.
 NEED_TORQUE, NEED_SPEED = 0.95, 1.0

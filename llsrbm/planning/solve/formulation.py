@@ -9,8 +9,8 @@ from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
@@ -35,8 +35,6 @@ from llsrbm.planning.solve.solver_cache import is_compiling
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 # Solves from a near solution before planning starts from a guess instead. The second corrects small
 # violations that the first leaves: a bound passed by a long step, or rows that Fatrop had scaled.

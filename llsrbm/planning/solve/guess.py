@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY, turns_about_z
 from llsrbm.models.base import CentroidalModel, no_lift
 from llsrbm.planning.problem.foot_clearance import ground_line
@@ -22,8 +22,6 @@ from llsrbm.planning.problem.knots import Sampled, pack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.rotations import feet_seen
 from llsrbm.planning.problem.task import Task
-
-Array = NDArray[np.float64]
 
 STANCE_TIME = 0.48  # s, of take-off and landing
 OWN_TIME = 0.3  # of the way from shortest to longest, for phases with limits of their own

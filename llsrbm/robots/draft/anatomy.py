@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.description import Description, changed, read_description
 from llsrbm.robots.draft.arms import ArmAnatomy, arm_anatomy, arm_joints
@@ -17,8 +17,6 @@ from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import AddedFrame, UrdfSource
 from llsrbm.robots.solids import PlacedSolid, placed_solids
 from llsrbm.robots.urdf import BASE_JOINT, check_moving, frame_id, pinocchio_model
-
-Array = NDArray[np.float64]
 
 _FOOT = re.compile(r"foot|sole|toe|ankle|contact", re.IGNORECASE)
 _SOLE = re.compile(r"sole|foot", re.IGNORECASE)

@@ -6,15 +6,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from llsrbm.arrays import Array
 from llsrbm.robots.arms import mirror_signs
 from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.solids import coal_shape
 from llsrbm.robots.urdf import BASE_JOINT
-
-Array = NDArray[np.float64]
 
 _AHEAD = 0.3  # rad by which the forearm is before the upper arm, which hangs straight down
 _OUTWARD = np.arange(0.05, 0.65, 0.05)  # rad likewise, the first that is clear

@@ -8,9 +8,6 @@ from itertools import combinations
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
 
 _HAND = re.compile(r"hand|palm|gripper", re.IGNORECASE)
 _FEWEST, _MOST = 3, 4  # joints of an arm: those of the shoulder and the elbow; wrists are held

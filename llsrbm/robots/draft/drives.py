@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots.description import rotor_links, srdf_rotors
 from llsrbm.robots.draft.anatomy import Anatomy
@@ -17,8 +17,6 @@ from llsrbm.robots.drives.table import (
     FRICTION_PER_TORQUE,
 )
 from llsrbm.robots.urdf import BASE_JOINT
-
-Array = NDArray[np.float64]
 
 _WEAKEST, _STRONGEST = 0.05, 3.0  # of m g times the leg's length: other torques are no drive's
 _TORQUE = 0.4  # of m g times the leg's length, where the URDF has none

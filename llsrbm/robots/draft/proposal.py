@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.draft import arm_posture, drives, turning
 from llsrbm.robots.draft.anatomy import Anatomy
-
-Array = NDArray[np.float64]
 
 # Shares of the longest distance from a hip to its foot, as ANYmal's, Go2's and SLIDER's files have.
 _STANDING = 0.74

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY
-
-Array = NDArray[np.float64]
 
 LEGS = 4
 

@@ -13,11 +13,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 FULL_UP_TO = 0.7
 """Share of the speed limit up to which the whole torque is there; from there it falls to zero."""

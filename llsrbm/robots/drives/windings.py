@@ -6,12 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array, IntArray
 from llsrbm.robots.drives.table import Electrical, Motor
 from llsrbm.robots.robot import Robot
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +36,7 @@ class Windings:
 
         def each(name: str) -> Array:
             found = np.full(len(robot.joint_names), np.inf)
-            limbs: list[tuple[NDArray[np.int64], Motor]] = [(robot.leg_joint_index, table)]
+            limbs: list[tuple[IntArray, Motor]] = [(robot.leg_joint_index, table)]
             if robot.arms:
                 of_arms = robot.arm_joint_index.reshape(len(robot.arms), -1)
                 limbs.append((of_arms, table.arms or table))

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import JointNeed
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
@@ -15,8 +15,6 @@ from llsrbm.planning.problem.limit_table import Limit
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import RowBounds, Task
-
-Array = NDArray[np.float64]
 
 Bounds = tuple[Any, Any]
 

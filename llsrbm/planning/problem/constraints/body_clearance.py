@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 import pinocchio as pin
 
+from llsrbm.arrays import Array
 from llsrbm.body.trunk_and_knees import knee_joint, trunk_box
 from llsrbm.planning.problem.clearance_profile import (
     SHINS,
@@ -16,7 +17,7 @@ from llsrbm.planning.problem.clearance_profile import (
     sides,
     trunk_points,
 )
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint, spread
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint, spread
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.limit_table import limits_called

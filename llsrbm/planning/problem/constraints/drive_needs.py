@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.body.joint_loads import JointLoads
 from llsrbm.body.peak_loads import event_beside, when_in_words
 from llsrbm.errors import JointNeed
-from llsrbm.planning.problem.constraints.base import Array, JointDemand
+from llsrbm.planning.problem.constraints.base import JointDemand
 from llsrbm.planning.problem.constraints.drive_shares import MIDDLE, Place, of_planned
 from llsrbm.planning.problem.knots import Knots
 

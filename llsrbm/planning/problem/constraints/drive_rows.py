@@ -15,14 +15,9 @@ from typing import Any, ClassVar
 import casadi as ca
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.errors import JointNeed
-from llsrbm.planning.problem.constraints.base import (
-    AgreedConstraint,
-    Array,
-    Bounds,
-    JointDemand,
-    spread,
-)
+from llsrbm.planning.problem.constraints.base import AgreedConstraint, Bounds, JointDemand, spread
 from llsrbm.planning.problem.constraints.drive_needs import largest_demand, leaning_joint
 from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,

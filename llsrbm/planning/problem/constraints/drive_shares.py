@@ -11,7 +11,7 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array
+from llsrbm.arrays import Array
 from llsrbm.planning.problem.knots import Knots
 
 # Beyond so many times the limit rows grow with its root: near a straight leg shares of thousands

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from llsrbm.planning.problem.constraints.base import Array
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.planning.problem.constraints.drive_shares import EDGE, MIDDLE, expanded
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.task import RowBounds
@@ -68,7 +67,7 @@ def _row_shares(constraint: DriveConstraint, knots: Knots) -> tuple[Array, Array
     return shares, settled
 
 
-def _swings_on(knots: Knots) -> NDArray[np.bool_]:
+def _swings_on(knots: Knots) -> BoolArray:
     """(N, 2, J) joints of limbs that swing over an interval and the next one.
 
     Their rows are as an interval begins, the check is in its middle.
@@ -84,7 +83,7 @@ def _swings_on(knots: Knots) -> NDArray[np.bool_]:
     return joints
 
 
-def _on_rows(amounts: Array, both: NDArray[np.bool_], larger: np.ufunc) -> Array:
+def _on_rows(amounts: Array, both: BoolArray, larger: np.ufunc) -> Array:
     """(N+1, 2, J) for the rows of amounts (N, 2, J); `both` belong to the next row too."""
     rows = np.vstack([amounts, np.zeros_like(amounts[:1])])
     rows[1:] = np.where(both, larger(rows[1:], amounts), rows[1:])

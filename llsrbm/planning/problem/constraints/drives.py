@@ -16,7 +16,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds
+from llsrbm.arrays import Array
+from llsrbm.planning.problem.constraints.base import Bounds
 from llsrbm.planning.problem.constraints.drive_rows import DriveConstraint
 from llsrbm.planning.problem.constraints.drive_shares import (
     EDGE,

@@ -7,9 +7,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.body.knee_room import knee_room, knee_width
 from llsrbm.body.trunk_and_knees import knee_joint
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role

@@ -7,8 +7,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import turns_about_z
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.limit_table import limits_called

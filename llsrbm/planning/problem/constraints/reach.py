@@ -8,7 +8,8 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.arrays import Array
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role

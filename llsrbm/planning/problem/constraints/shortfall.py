@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.arrays import Array
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.elastic import (
     NEXT_SHORTFALL,
     ElasticLayout,

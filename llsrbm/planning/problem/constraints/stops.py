@@ -7,13 +7,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.errors import JointNeed
-from llsrbm.planning.problem.constraints.base import (
-    AgreedConstraint,
-    Array,
-    Bounds,
-    JointDemand,
-)
+from llsrbm.planning.problem.constraints.base import AgreedConstraint, Bounds, JointDemand
 from llsrbm.planning.problem.constraints.drive_needs import when_in
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout

@@ -7,9 +7,10 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.body.momentum import momentum_and_inertia
 from llsrbm.mechanics import rotation_matrices
-from llsrbm.planning.problem.constraints.base import Array, Bounds, Constraint
+from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.constraints.motion import MOMENTUM_BALANCE
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
