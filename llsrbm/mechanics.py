@@ -137,15 +137,13 @@ def slerp(start: Array, end: Array, share: Array) -> Array:
     a = np.where(tiny, 1 - share, np.sin((1 - share) * angle) / safe)
     b = np.where(tiny, share, np.sin(share * angle) / safe)
     quat = a[..., None] * start + b[..., None] * end
-    unit: Array = quat / np.linalg.norm(quat, axis=-1, keepdims=True)
-    return unit
+    return quat / np.linalg.norm(quat, axis=-1, keepdims=True)
 
 
 def yaw(quat: Array) -> Array:
     """Heading of a body's x axis seen from above, (K, 4) -> (K,) rad, continuous over time."""
     w, x, y, z = np.moveaxis(quat, -1, 0)
-    heading: Array = np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
-    return heading
+    return np.unwrap(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))
 
 
 def final_yaw(time: Array, quat: Array, yaw_rate: Array) -> float:
@@ -165,8 +163,7 @@ def tilt(quat: Array) -> Array:
     """Angle between a body's z axis and the vertical, (..., 4) -> (...) rad."""
     _, x, y, _ = np.moveaxis(quat, -1, 0)
     # The half angle's sine is exact where the cosine of a small tilt has lost its digits.
-    angle: Array = 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
-    return angle
+    return 2 * np.arcsin(np.minimum(np.hypot(x, y), 1.0))
 
 
 _UPRIGHT = np.radians(45.0)  # tilt up to which a base has a heading

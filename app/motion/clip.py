@@ -120,5 +120,4 @@ def _continuous(wxyz: Array) -> Array:
     """The same attitudes (F, 4), each quaternion on the side of the one before it."""
     flips = np.sign(np.sum(wxyz[1:] * wxyz[:-1], axis=1))
     signs = np.cumprod(np.concatenate([[1.0], np.where(flips == 0, 1.0, flips)]))
-    turned: Array = wxyz * signs[:, None]
-    return turned
+    return wxyz * signs[:, None]

@@ -45,8 +45,7 @@ def around(robot: Robot, position: Array, wxyz: Array) -> Array:
     if not bodies:
         return np.repeat(position[:, :, None], 8, axis=2)
     turn = rotation_matrices(wxyz[:, bodies])
-    moved: Array = position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
-    return moved
+    return position[:, bodies, None] + np.einsum("fbij,bcj->fbci", turn, corners)
 
 
 def around_default(robot: Robot) -> Array:
@@ -61,8 +60,7 @@ def corners(block: Block) -> Array:
     c, s = np.cos(block.yaw), np.sin(block.yaw)
     turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    found: Array = block.centre + 0.5 * (signs * size) @ turn.T
-    return found
+    return block.centre + 0.5 * (signs * size) @ turn.T
 
 
 def outermost(points: Array) -> Array:

@@ -46,8 +46,7 @@ def solid(
         visual=trimesh.visual.TextureVisuals(material=material),
         process=False,
     )
-    glb: bytes = drawn.export(file_type="glb")
-    return glb
+    return drawn.export(file_type="glb")
 
 
 @lru_cache(maxsize=8)
@@ -117,8 +116,7 @@ def triad() -> bytes:
         box.visual.vertex_colors = np.tile([*colour, 255], (len(box.vertices), 1)).astype(np.uint8)
         axes.append(box)
     mesh = trimesh.util.concatenate(axes)
-    glb: bytes = mesh.export(file_type="glb", include_normals=True)
-    return glb
+    return mesh.export(file_type="glb", include_normals=True)
 
 
 @lru_cache(maxsize=2)
@@ -143,8 +141,7 @@ def soft_disc(rings: int = 5, sections: int = 24) -> bytes:
     rgba = np.zeros((len(vertices), 4), dtype=np.uint8)
     rgba[:, 3] = np.round(255 * _DARKEST * alpha)
     mesh = trimesh.Trimesh(vertices, np.concatenate(faces), vertex_colors=rgba, process=False)
-    glb: bytes = mesh.export(file_type="glb", tree_postprocessor=_blended)
-    return glb
+    return mesh.export(file_type="glb", tree_postprocessor=_blended)
 
 
 def _blended(tree: dict[str, Any]) -> None:
@@ -159,8 +156,7 @@ def z_to(along: Array) -> Array:
     wxyz = np.stack([1 + z[:, 2], -z[:, 1], z[:, 0], np.zeros(len(z))], axis=1)
     # Straight down, any half turn about a horizontal axis.
     wxyz[z[:, 2] < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
-    turned: Array = wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
-    return turned
+    return wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
 
 
 def x_to(along: Array) -> Array:

@@ -50,14 +50,13 @@ def meshes(
             roughnessFactor=0.9,
             alphaMode="BLEND",
         )
-        translucent: bytes = Trimesh(
+        return Trimesh(
             vertices=visual.vertices,
             faces=visual.faces,
             vertex_normals=visual.normals,
             visual=TextureVisuals(material=material),
             process=False,
         ).export(file_type="glb")
-        return translucent
 
     visuals = collision_visuals(robot) if stand_in else link_visuals(robot, coarse=not fine)
     return tuple((visual.link, visual.joint_id - 1, glb(visual)) for visual in visuals)

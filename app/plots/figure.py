@@ -140,8 +140,7 @@ class TimeGrid:
         # On the straight line between its neighbours, an instant more changes nothing.
         marked = np.interp(self.marks, self.even, thinned)
         order = np.argsort(np.concatenate([self.even, self.marks, self.marks]), kind="stable")
-        sampled: Array = np.concatenate([thinned, marked, marked])[order]
-        return sampled
+        return np.concatenate([thinned, marked, marked])[order]
 
     def step(self, instant: float) -> Array:
         """Rises at an instant, (P,); upright where it is marked, else within a spacing."""

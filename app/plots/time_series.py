@@ -79,8 +79,7 @@ class TimeSeries:
             return self.rollout.average_spatial_velocity_norm
         momentum = self.motion.angular_momentum[..., None]
         turning = np.linalg.solve(self.motion.inertia, momentum)[..., 0]
-        norm: Array = np.linalg.norm(np.hstack([self.com_velocity, turning]), axis=1)
-        return norm
+        return np.linalg.norm(np.hstack([self.com_velocity, turning]), axis=1)
 
     def quantity(self, name: str) -> Array | None:
         """(K, ...) of a quantity by its name in `Plan`, joints in the robot's order; None: none."""

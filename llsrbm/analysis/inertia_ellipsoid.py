@@ -36,5 +36,4 @@ _PERMUTATIONS = np.array([[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1],
 def _assignment(likeness: Array) -> IntArray:
     """(K, 3): the permutation with the largest sum of likeness[k, i, order[i]]."""
     total = likeness[:, [0, 1, 2], _PERMUTATIONS].sum(axis=-1)
-    best: IntArray = _PERMUTATIONS[np.argmax(total, axis=1)]
-    return best
+    return _PERMUTATIONS[np.argmax(total, axis=1)]

@@ -122,5 +122,4 @@ def _turn(before: Array, after: Array) -> Array:
     """Rotation vectors (..., 3) rad, world frame, between close attitudes: 2 vec(after before*)."""
     w0, v0 = before[..., :1], before[..., 1:]
     w1, v1 = after[..., :1], after[..., 1:]
-    turn: Array = 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1))
-    return turn
+    return 2 * (w0 * v1 - w1 * v0 + np.cross(v0, v1))

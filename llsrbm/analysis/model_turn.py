@@ -86,8 +86,7 @@ def _rate_error(plan: Plan, robot: Robot) -> Array:
     )
     planned = (plan.angular_momentum[1:, 2] + plan.angular_momentum[:-1, 2]) / 2
     inertia = _momentum(robot, position, turning, np.zeros_like(arms))
-    error: Array = (planned - _momentum(robot, position, at, arms)) / inertia
-    return error
+    return (planned - _momentum(robot, position, at, arms)) / inertia
 
 
 def _momentum(robot: Robot, position: Array, at: States, arm_speed: Array) -> Array:
@@ -96,5 +95,4 @@ def _momentum(robot: Robot, position: Array, at: States, arm_speed: Array) -> Ar
     speed = speeds_in(robot, position, at, arm_speed)
     rate = apply(np.swapaxes(R_world_base, -1, -2), at.omega)
     momentum, _ = momentum_and_inertia(robot, position, speed, rate)
-    vertical: Array = apply(R_world_base, momentum)[:, 2]
-    return vertical
+    return apply(R_world_base, momentum)[:, 2]

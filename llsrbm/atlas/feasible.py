@@ -202,5 +202,4 @@ def _file() -> dict[str, Any]:
     path = assets_directory() / "feasible.json"
     if not path.exists():
         return {}
-    found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    return found
+    return json.loads(path.read_text(encoding="utf-8"))

@@ -256,10 +256,8 @@ def standing_torque(robot: Robot, motion: KnotMotion, angles: Array) -> Array:
     if not np.isfinite(grasp).all():
         return np.full(len(angles), np.nan)
     force = (np.linalg.pinv(grasp) @ effort[0, :_BASE]).reshape(1, -1, 3)
-    torque: Array = (effort - _contact_effort(robot, position, arm[None], force))[0, _BASE:]
-    return torque
+    return (effort - _contact_effort(robot, position, arm[None], force))[0, _BASE:]
 
 
 def _rows(matrix: Array, vectors: Array) -> Array:
-    turned: Array = vectors @ np.swapaxes(matrix, -1, -2)
-    return turned
+    return vectors @ np.swapaxes(matrix, -1, -2)

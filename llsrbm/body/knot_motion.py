@@ -146,10 +146,7 @@ def _foot_velocity(
 ) -> Array:
     """(K, L, 3) m/s of feet at `lever` from the CoM that move by `seen_rate` in base axes."""
     turning = cross(np.broadcast_to(omega[:, None], lever.shape), lever)
-    velocity: Array = (
-        com_velocity[:, None] + seen_rate @ np.swapaxes(R_world_base, -1, -2) + turning
-    )
-    return velocity
+    return com_velocity[:, None] + seen_rate @ np.swapaxes(R_world_base, -1, -2) + turning
 
 
 def _means(rates: Array, dt: Array) -> Array:

@@ -69,5 +69,4 @@ def base_velocities(
     still = np.zeros_like(omega)
     q = np.hstack([base_position, base_quat[:, [1, 2, 3, 0]], joint_position])
     momentum = centroidal_states(robot.model, q, np.hstack([still, omega, joint_velocity]))[2]
-    velocity: Array = com_velocity - momentum[:, :3] / robot.mass
-    return velocity
+    return com_velocity - momentum[:, :3] / robot.mass

@@ -159,8 +159,7 @@ def _soles_in_base(robot: Robot, R_world_base: Array, foot_quat: ArrayLike | Non
     if foot_quat is None:
         raise InputError(_SOLES_NEED.format(robot=robot.name, what="foot_quat"))
     R_base_world = np.swapaxes(R_world_base, -1, -2)[:, None]
-    R_base_foot: Array = R_base_world @ rotation_matrices(foot_quat)
-    return R_base_foot
+    return R_base_world @ rotation_matrices(foot_quat)
 
 
 def _newton(robot: Robot, goal: _Goal, q: Array) -> tuple[Array, Array]:

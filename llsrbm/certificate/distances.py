@@ -103,8 +103,7 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, s
         s = pair // len(boxes)
         went = np.linalg.norm(middle[:, s] - middle[instant, s], axis=1)
         turned = np.linalg.norm(rotation[:, s] - rotation[instant, s], axis=(1, 2))
-        nearer: Array = went + radii[s] * turned / np.sqrt(2)
-        return nearer
+        return went + radii[s] * turned / np.sqrt(2)
 
     least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, moved)
     s, b = divmod(pair, len(boxes))

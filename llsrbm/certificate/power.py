@@ -91,16 +91,14 @@ class DrivePower:
         if self.windings is None:
             return None
         heating = self.windings.heating(self.torque)
-        heat: Array = cumulative_trapezoid(heating, self.time, axis=0, initial=0.0)
-        return heat
+        return cumulative_trapezoid(heating, self.time, axis=0, initial=0.0)
 
     @cached_property
     def electrical(self) -> Array | None:
         """(K,) W from the battery; negative: what it takes back."""
         if self.windings is None:
             return None
-        power: Array = (self.mechanical + self.windings.heating(self.torque)).sum(axis=1)
-        return power
+        return (self.mechanical + self.windings.heating(self.torque)).sum(axis=1)
 
     @cached_property
     def current(self) -> Array | None:

@@ -200,8 +200,7 @@ def _of_states(motion: WholeBodyMotion) -> SampledMotion:
     share = ((times - knots[frame]) / (knots[frame + 1] - knots[frame]))[:, None]
 
     def straight(values: Array) -> Array:
-        mixed: Array = values[frame] + share * (values[frame + 1] - values[frame])
-        return mixed
+        return values[frame] + share * (values[frame + 1] - values[frame])
 
     qpos, qvel = straight(motion.qpos), straight(motion.qvel)
     attitude = Slerp(knots, Rotation.from_quat(motion.base_quat, scalar_first=True))

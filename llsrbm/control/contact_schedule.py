@@ -101,14 +101,12 @@ class ContactSchedule:
 
         Until a foot first leaves the ground all that stand are taken to.
         """
-        carrying: BoolArray = self.standing & (self._light < _BOUNCES / self._tick)
-        return carrying
+        return self.standing & (self._light < _BOUNCES / self._tick)
 
     @property
     def planned(self) -> BoolArray:
         """(L,) feet that stand in the present phase of the plan."""
-        feet: BoolArray = self._stands[self.phase]
-        return feet
+        return self._stands[self.phase]
 
     @property
     def seeking(self) -> BoolArray:
@@ -118,8 +116,7 @@ class ContactSchedule:
     @property
     def foothold(self) -> Array:
         """(L, 3) m: where feet stand in the present place, as planned."""
-        place: Array = self._footholds[self._schedule[self.phase].place]
-        return place
+        return self._footholds[self._schedule[self.phase].place]
 
     @property
     def detected(self) -> float | None:
@@ -205,8 +202,7 @@ class ContactSchedule:
         self._still = np.where(sinking, 0, self._still + 1)
         stopped = (self._still >= _STILL_TICKS) & (time - self._seeking_since > _SEEKING_TIME)
         coming = self.plan_time(time) >= self._comes_from[self.phase]
-        found: BoolArray = (self.planned & (loaded | stopped)) | (coming & loaded)
-        return found
+        return (self.planned & (loaded | stopped)) | (coming & loaded)
 
     def _measure_ground(self) -> None:
         """By the feet that stand; the ground that the robot started from is the plan's."""

@@ -64,8 +64,7 @@ class DelayEstimate:
         if len(self._sent) < late + 2:
             return None
         newer, older = self._sent[late].acceleration, self._sent[late + 1].acceleration
-        mixed: Array = (1 - self._part) * newer + self._part * older
-        return mixed
+        return (1 - self._part) * newer + self._part * older
 
     def met(self, measurement: Measurement, body: WholeBody) -> Measurement:
         """The state in which the command of this tick will begin to act, as far as is known.

@@ -94,8 +94,7 @@ class FootForces:
             above = self.vertical > self._threshold
             self._touching = np.where(above, self._touching + 1, 0)
         self._equations = (body.M, body.h, body.foot_jacobian[self._columns], v.copy())
-        touching: BoolArray = self._touching >= _SURE
-        return touching
+        return self._touching >= _SURE
 
     def met_ground(self) -> bool:
         """True if the robot in the air has hit the ground with its feet."""

@@ -146,8 +146,7 @@ class InverseDynamics:
 
     def _damping(self) -> Array:
         body = self._body
-        torque: Array = -np.diag(body.M)[_BASE:] * body.v[_BASE:] / DAMPING
-        return torque
+        return -np.diag(body.M)[_BASE:] * body.v[_BASE:] / DAMPING
 
     def _set_costs(
         self,

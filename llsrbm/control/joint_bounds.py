@@ -61,5 +61,4 @@ def least_acceleration(
     room, reach = 2 * left + T * rate, braking * T
     free = (np.sqrt(reach**2 + 4 * braking * np.maximum(room, 0.0)) - reach) / 2
     towards = np.where(room > 0, free, np.maximum(room / (2 * RETURN), -reach))
-    least: Array = (-np.minimum(towards, fastest) - rate) / T
-    return least
+    return (-np.minimum(towards, fastest) - rate) / T

@@ -24,8 +24,7 @@ class MotorCommand:
 
     def torque(self, q: Array, dq: Array) -> Array:
         """Torque (J,) Nm at measured positions q (J,) and speeds dq (J,), before any limit."""
-        torque: Array = self.tau + self.kp * (self.q - q) + self.kd * (self.dq - dq)
-        return torque
+        return self.tau + self.kp * (self.q - q) + self.kd * (self.dq - dq)
 
     @classmethod
     def of_torque(cls, tau: Array) -> MotorCommand:

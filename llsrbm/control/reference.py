@@ -157,8 +157,7 @@ def _slopes(samples: Array) -> Array:
     """Time derivative (K, J) of samples (K, J), `_STEP` apart."""
     if len(samples) < 2:
         return np.zeros_like(samples)
-    slopes: Array = np.gradient(samples, _STEP, axis=0)
-    return slopes
+    return np.gradient(samples, _STEP, axis=0)
 
 
 def braking_time(plan: Plan) -> float:
@@ -168,8 +167,7 @@ def braking_time(plan: Plan) -> float:
 
 def com_at_rest(plan: Plan) -> Array:
     """(3,) m: where the CoM comes to rest."""
-    com: Array = plan.com[-1] + braking_time(plan) / 2 * plan.com_velocity[-1]
-    return com
+    return plan.com[-1] + braking_time(plan) / 2 * plan.com_velocity[-1]
 
 
 def _brake(plan: Plan, times: Array, columns: dict[str, Array], weight: float) -> None:

@@ -166,8 +166,7 @@ class Arms(Posture):
     """Positions of the arms' joints, which swing as planned."""
 
     def _feedforward(self, target: Target) -> Array:
-        acceleration: Array = target.joint_acceleration[self._joints]
-        return acceleration
+        return target.joint_acceleration[self._joints]
 
 
 class SwingFeet(Task):

@@ -44,8 +44,7 @@ _SKEWS = skew(np.eye(3)).reshape(3, 9)
 
 def _skew(vectors: Array) -> Array:
     """(3 K, 3): skew matrices of (K, 3), one below the other."""
-    rows: Array = (vectors @ _SKEWS).reshape(-1, 3)
-    return rows
+    return (vectors @ _SKEWS).reshape(-1, 3)
 
 
 class InvariantFilter:
@@ -135,10 +134,7 @@ class InvariantFilter:
         across = C[PLACE, FIRST_FOOT:].reshape(3, legs, 3).transpose(1, 0, 2)
         S = C[PLACE, PLACE] + blocks[own, :, own] - across - across.transpose(0, 2, 1)
         S[:, _EACH, _EACH] += variance
-        squares: Array = (innovation * np.linalg.solve(S, innovation[..., None])[..., 0]).sum(
-            axis=1
-        )
-        return squares
+        return (innovation * np.linalg.solve(S, innovation[..., None])[..., 0]).sum(axis=1)
 
     def correct(self, stands: BoolArray, innovation: Array, variance: float) -> None:
         """Take the places of the feet that stand, (L,), as measured with a variance, m2."""

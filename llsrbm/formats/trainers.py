@@ -73,8 +73,7 @@ def exponential_map(quat: Array) -> Array:
     angle = 2 * np.arctan2(sine, quat[:, 0])
     tiny = sine < 1e-12
     scale = np.where(tiny, 2.0, angle / np.where(tiny, 1.0, sine))
-    rotation: Array = quat[:, 1:] * scale[:, None]
-    return rotation
+    return quat[:, 1:] * scale[:, None]
 
 
 def _write_motion_imitation(trajectory: Trajectory, path: Path, options: Options) -> None:

@@ -150,8 +150,7 @@ def _with_room(robot: Robot, rng: np.random.Generator) -> Array:
         np.maximum(upper - 0.2 * (upper - lower), default),
     )
     distances = np.minimum(shapes.near_distances(_level(robot, tried), _FAR), _FAR)
-    best: Array = tried[int(np.argmax(np.sqrt(np.maximum(distances, 0.0)).sum(axis=1)))]
-    return best
+    return tried[int(np.argmax(np.sqrt(np.maximum(distances, 0.0)).sum(axis=1)))]
 
 
 def _level(robot: Robot, joints: Array) -> Array:

@@ -201,13 +201,11 @@ class _Column:
 
     @cached_property
     def _basis(self) -> Array:
-        basis: Array = np.linalg.qr(self.X)[0]
-        return basis
+        return np.linalg.qr(self.X)[0]
 
     def torque(self, delay: float) -> Array:
         """(N,) Nm that the drive itself takes."""
-        torque: Array = self.sent(self.times - delay) - self.links
-        return torque
+        return self.sent(self.times - delay) - self.links
 
     def residual(self, delay: float) -> Array:
         """(N,) Nm that nothing explains."""
@@ -219,8 +217,7 @@ class _Column:
 
     def beside(self, values: Array) -> Array:
         """(N, ...) of it what the drive's own numbers cannot explain."""
-        beside: Array = values - self._basis @ (self._basis.T @ values)
-        return beside
+        return values - self._basis @ (self._basis.T @ values)
 
     def variance(self, delay: float) -> float:
         """Nm2 of a residual, times how many equations one independent one stands for."""

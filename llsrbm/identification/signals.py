@@ -121,5 +121,4 @@ class Signals:
 
 def smoothed(values: Array, deviation: float, derivative: int = 0) -> Array:
     """(K, ...) through a Gaussian filter of a standard deviation in rows, or its derivative."""
-    filtered: Array = gaussian_filter1d(values, deviation, axis=0, order=derivative, truncate=CUT)
-    return filtered
+    return gaussian_filter1d(values, deviation, axis=0, order=derivative, truncate=CUT)

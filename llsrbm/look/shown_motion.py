@@ -95,8 +95,7 @@ class ShownMotion:
         """(F, 4): turns about the vertical that take x where the base takes it, seen from above."""
         x = rotation_matrices(self.motion.base_quat)[:, :2, 0]
         yaw = np.arctan2(x[:, 1], x[:, 0])[:, None]
-        wxyz: Array = Rotation.from_euler("z", yaw).as_quat(scalar_first=True)
-        return wxyz
+        return Rotation.from_euler("z", yaw).as_quat(scalar_first=True)
 
     @cached_property
     def contact_point(self) -> Array:

@@ -95,10 +95,7 @@ class LinkVisual:
         painted = self.mesh()
         # glTF's colours are proportional to light, not to what an eye sees.
         painted.visual.vertex_colors[:, :3] = np.round(255 * self.paint**2.2)
-        content: bytes = painted.export(
-            file_type="glb", include_normals=True, tree_postprocessor=_matt
-        )
-        return content
+        return painted.export(file_type="glb", include_normals=True, tree_postprocessor=_matt)
 
 
 def _matt(tree: dict[str, Any]) -> None:

@@ -32,8 +32,7 @@ def make_model(name: str, robot: Robot, *, free_arms: bool = False) -> Centroida
     `free_arms`: arms that move, see `free_arms_of`.
     """
     kind: Any = look_up("model", name, MODELS)  # a robot is enough, its arms if they move
-    model: CentroidalModel = kind(robot, free_arms=True) if free_arms else kind(robot)
-    return model
+    return kind(robot, free_arms=True) if free_arms else kind(robot)
 
 
 def free_arms_of(jump: Jump, robot: Robot) -> bool:

@@ -54,16 +54,14 @@ class Polynomials:
         """(K, ...) at shares (K,) of intervals (K,)."""
         known = self.coefficients[k]
         powers = share[:, None] ** np.arange(known.shape[1])
-        values: Array = np.einsum("kd,kd...->k...", powers, known)
-        return values
+        return np.einsum("kd,kd...->k...", powers, known)
 
     def slopes(self, k: IntArray, share: Array) -> Array:
         """(K, ...) per s."""
         known = self.coefficients[k, 1:]
         orders = np.arange(1, known.shape[1] + 1)
         powers = orders * share[:, None] ** (orders - 1) / self.dt[k][:, None]
-        values: Array = np.einsum("kd,kd...->k...", powers, known)
-        return values
+        return np.einsum("kd,kd...->k...", powers, known)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +118,7 @@ def _rate_of(turn: Array, slope: Array) -> Array:
 
 
 def _square(vector: Array) -> Array:
-    square: Array = np.sum(vector**2, axis=-1, keepdims=True)
-    return square
+    return np.sum(vector**2, axis=-1, keepdims=True)
 
 
 def _rotation(quat: Array) -> Rotation:

@@ -98,5 +98,4 @@ def _in_contact(rollout: Rollout) -> BoolArray:
 
 
 def _ends(rollout: Rollout) -> Array:
-    ends: Array = rollout.time + 1.0 / rollout.outcome.control_rate_hz
-    return ends
+    return rollout.time + 1.0 / rollout.outcome.control_rate_hz

@@ -83,8 +83,7 @@ class OfRobot:
     @property
     def phase_names(self) -> tuple[str, ...]:
         """(P,) what the numbers of `phase` stand for."""
-        names: tuple[str, ...] = self.schedule.names
-        return names
+        return self.schedule.names
 
 
 @dataclass(frozen=True, eq=False)

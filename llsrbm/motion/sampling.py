@@ -80,8 +80,7 @@ def evenly(trajectory: Plan | Rollout, fps: float, pad: float = 0.0) -> Array:
     start, end = trajectory.time[[0, -1]]
     still = math.ceil(pad * fps - _SAME_INSTANT)
     moving = math.ceil((end - start) * fps - 1e-6)
-    times: Array = start + np.arange(-still, moving + still + 1) / fps
-    return times
+    return start + np.arange(-still, moving + still + 1) / fps
 
 
 def check_rate(fps: float) -> None:
@@ -187,8 +186,7 @@ class Interpolation:
 
     def weighted(self, factor: Array, values: Array) -> Array:
         """`values` (K, ...), each times its own of `factor` (K,)."""
-        product: Array = factor.reshape(-1, *[1] * (values.ndim - 1)) * values
-        return product
+        return factor.reshape(-1, *[1] * (values.ndim - 1)) * values
 
     def linear(self, values: Array) -> Array:
         """Straight between (N, ...) values at the knots."""
@@ -312,10 +310,7 @@ class _BetweenKnots:
         in_base = np.einsum(
             "kai,kab,kbj->kij", self._R_knots, getattr(self._plan, name), self._R_knots
         )
-        mixed: Array = np.einsum(
-            "kia,kab,kjb->kij", self._R, self._instants.linear(in_base), self._R
-        )
-        return mixed
+        return np.einsum("kia,kab,kjb->kij", self._R, self._instants.linear(in_base), self._R)
 
     @cached_property
     def _joint_curve(self) -> Callable[..., Array]:
@@ -329,16 +324,9 @@ class _BetweenKnots:
         plan = self._plan
         if plan.joint_velocity is None:
             # Local, so that lift-off and touchdown do not ring through.
-            curve: Callable[..., Array] = Akima1DInterpolator(
-                plan.time, plan.joint_position, method="makima"
-            )
-            return curve
-        smooth: Callable[..., Array] = CubicHermiteSpline(
-            plan.time, plan.joint_position, plan.joint_velocity
-        )
-        return smooth
+            return Akima1DInterpolator(plan.time, plan.joint_position, method="makima")
+        return CubicHermiteSpline(plan.time, plan.joint_position, plan.joint_velocity)
 
 
 def _moment(points: Array, com: Array, forces: Array) -> Array:
-    total: Array = np.cross(points - com[:, None], forces).sum(axis=1)
-    return total
+    return np.cross(points - com[:, None], forces).sum(axis=1)

@@ -153,8 +153,7 @@ class _Place:
 
     def seen(self, points: Array) -> Array:
         """(C, 2) m: points (C, 3) of the world seen from above, along the heading's axes."""
-        seen: Array = points[:, :2] @ _turn(self.heading)
-        return seen
+        return points[:, :2] @ _turn(self.heading)
 
 
 def _places(plan: Plan) -> list[_Place]:

@@ -69,8 +69,7 @@ def description(trajectory: Trajectory) -> dict[str, Any]:
             "outcome": asdict(trajectory.outcome),
             **_of_plan(trajectory.plan),
         }
-    plain: dict[str, Any] = json_value(common | of_it)
-    return plain
+    return json_value(common | of_it)
 
 
 def _of_plan(plan: Plan) -> dict[str, Any]:

@@ -192,15 +192,13 @@ class LinkShapes:
         centres, radius = self._sphere_centres(postures), self.spheres[1]
         one, other = np.reshape(np.array(self.shape_pairs, dtype=np.int64), (-1, 2)).T
         apart = np.linalg.norm(centres[:, one] - centres[:, other], axis=-1)
-        bounds: Array = apart - radius[one] - radius[other]
-        return bounds
+        return apart - radius[one] - radius[other]
 
     def _sphere_centres(self, postures: Array) -> Array:
         """(T, S, 3) m, in the world."""
         joints = [shape.joint for shape in self.shapes]
         turn, origin = (each[:, joints] for each in placements(self.robot.model, postures))
-        centres: Array = origin + np.einsum("tsij,sj->tsi", turn, self.spheres[0])
-        return centres
+        return origin + np.einsum("tsij,sj->tsi", turn, self.spheres[0])
 
     @cached_property
     def spheres(self) -> tuple[Array, Array]:

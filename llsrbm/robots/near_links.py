@@ -112,8 +112,7 @@ class NearLinks:
 
     def fastest(self, v: Array) -> Array:
         """(K,) m/s: how fast joints move the links of each pair against each other, at most."""
-        speed: Array = self._reach @ np.abs(v[6:])
-        return speed
+        return self._reach @ np.abs(v[6:])
 
     def _near(self, data: pin.Data, pair: int, found: coal.DistanceResult) -> Near:
         shapes, (one, other) = self.shapes.shapes, self._pairs[pair]
@@ -156,8 +155,7 @@ def _along(
     """(nv,) how fast a point of a body moves along the normal: the power of a unit force there."""
     normal = np.array(found.normal)
     wrench = np.concatenate([normal, pin.skew(np.array(point)).dot(normal)])
-    power: Array = wrench.dot(pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.WORLD))
-    return power
+    return wrench.dot(pin.getJointJacobian(model, data, joint, pin.ReferenceFrame.WORLD))
 
 
 def _reach(shapes: LinkShapes) -> Array:
@@ -185,5 +183,4 @@ def _acceleration(data: pin.Data, joint: int, point: Array) -> Array:
     arm, turn = placement.actInv(point), pin.skew(velocity.angular)
     moves = velocity.linear + turn.dot(arm)
     turns = pin.skew(acceleration.angular).dot(arm) + turn.dot(moves)
-    found: Array = placement.rotation.dot(acceleration.linear + turns)
-    return found
+    return placement.rotation.dot(acceleration.linear + turns)

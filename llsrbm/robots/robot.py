@@ -165,8 +165,7 @@ class Robot:
     @cached_property
     def arm_angles(self) -> Array:
         """(A n,) rad: of the arms' joints in the default posture, in that order."""
-        angles: Array = self.posture[7:][self.arm_joint_index]
-        return angles
+        return self.posture[7:][self.arm_joint_index]
 
     @cached_property
     def arm_ends(self) -> Array:

@@ -52,8 +52,7 @@ class PlacedSolid:
         meshes = read_meshes(self.solid.file)
         every = np.concatenate([mesh.vertices[mesh.faces.ravel()] for mesh in meshes])
         first = np.unique(every, axis=0, return_index=True)[1]
-        scaled: Array = every[np.sort(first)] * self.solid.size
-        return scaled
+        return every[np.sort(first)] * self.solid.size
 
     @property
     def half_lengths(self) -> Array:
@@ -73,8 +72,7 @@ class PlacedSolid:
         """(n, 3) m: of a mesh its vertices, else the corners of the box around it; joint frame."""
         mesh = self.solid.kind == "mesh"
         own = self.vertices if mesh else (2 * _CORNERS - 1) * self.half_lengths
-        found: Array = own @ self.placement.rotation.T + self.placement.translation
-        return found
+        return own @ self.placement.rotation.T + self.placement.translation
 
     def meshes(self) -> Iterator[trimesh.Trimesh]:
         """Copies of its meshes in the joint's frame, with their own looks if they have some."""

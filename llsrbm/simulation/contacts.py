@@ -88,15 +88,13 @@ class ContactReader:
 
     def touched(self) -> BoolArray:
         """(S, L): whether each foot touched anything in each step."""
-        touched: BoolArray = np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)
-        return touched
+        return np.logical_or.reduce(self._feet[..., 0] > 0, axis=2)
 
     def mean_force(self) -> Array:
         """(L, 3) N, world frame, on the feet."""
         # MuJoCo gives the force of the sensor's geom on what it touches.
         total = np.add.reduce(self._feet_rows, axis=0).reshape(self._feet.shape[1:])
-        force: Array = np.add.reduce(total[..., 1:], axis=1) * (-1.0 / len(self._tick))
-        return force
+        return np.add.reduce(total[..., 1:], axis=1) * (-1.0 / len(self._tick))
 
     def touches(self) -> dict[Touch, int]:
         """Touches by other links than feet, and the first step of the tick that has each."""

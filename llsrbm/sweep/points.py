@@ -166,8 +166,7 @@ def _sobol(dimensions: int, seed: int, block: int) -> Array:
     sequence = qmc.Sobol(dimensions, scramble=True, rng=np.random.default_rng(seed))
     if block:
         sequence.fast_forward(block * _BLOCK)
-    points: Array = sequence.random(_BLOCK)
-    return points
+    return sequence.random(_BLOCK)
 
 
 def _checked_ranges(robot: str, spec: Spec) -> Ranges:

@@ -64,8 +64,7 @@ class Layout:
             )
         packed = np.zeros(self.dtype.itemsize, np.uint8)
         packed[self._in_c] = wire[4:][self._on_wire]
-        record: Record = packed.view(self.dtype).reshape(())
-        return record
+        return packed.view(self.dtype).reshape(())
 
     @staticmethod
     def checksum(record: Record) -> int:

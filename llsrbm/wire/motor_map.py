@@ -108,8 +108,7 @@ class MotorMap:
         return self._gathered(np.asarray(motors) * self._ratio**2)
 
     def _gathered(self, motors: Array) -> Array:
-        joints: Array = motors[..., self._number]
-        return joints
+        return motors[..., self._number]
 
 
 @lru_cache(maxsize=32)

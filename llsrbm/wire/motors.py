@@ -68,5 +68,4 @@ def standing_torque(robot: Robot, q: Array) -> Array:
     body.update(q, np.zeros(robot.model.nv))
     J = body.contact_jacobian.reshape(-1, robot.model.nv)
     force = np.linalg.lstsq(J[:, :6].T, body.h[:6], rcond=None)[0]
-    torque: Array = (body.h - J.T @ force)[6:]
-    return torque
+    return (body.h - J.T @ force)[6:]

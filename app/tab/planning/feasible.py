@@ -83,10 +83,7 @@ class Tint:
 
 def chances(track: Track) -> list[int]:
     """In per cent."""
-    found: list[int] = (
-        np.round(100 / (1 + np.exp(-track.scores.clip(-30, 30)))).astype(int).tolist()
-    )
-    return found
+    return np.round(100 / (1 + np.exp(-track.scores.clip(-30, 30)))).astype(int).tolist()
 
 
 def unknown(why: str) -> str:

@@ -259,8 +259,7 @@ def _schema(node: Series | dict[str, Any]) -> dict[str, Any]:
 
 def nanoseconds(seconds: Array) -> list[int]:
     """Instants (K,) s as logs count them."""
-    times: list[int] = np.round(seconds * 1e9).astype(np.int64).tolist()
-    return times
+    return np.round(seconds * 1e9).astype(np.int64).tolist()
 
 
 def timestamp(time: int) -> fm.Timestamp:
@@ -313,5 +312,4 @@ def turned_x_to(along: Array) -> Array:
     wxyz = np.stack([1 + x[..., 0], np.zeros(x.shape[:-1]), -x[..., 2], x[..., 1]], axis=-1)
     # Straight back, any half turn about an axis across.
     wxyz[x[..., 0] < -1 + 1e-9] = [0.0, 0.0, 0.0, 1.0]
-    unit: Array = wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
-    return unit
+    return wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)

@@ -31,8 +31,7 @@ def ground_line(start: Array, goal: Array, progress: Array) -> Array:
         start, goal: m, heights of where it stood and will stand.
         progress: share of the swing; all of shapes that broadcast to one.
     """
-    line: Array = start + (goal - start) * ground_share(start, goal, progress)
-    return line
+    return start + (goal - start) * ground_share(start, goal, progress)
 
 
 def ground_share(start: Array, goal: Array, progress: Array) -> Array:
@@ -44,8 +43,7 @@ def ground_share(start: Array, goal: Array, progress: Array) -> Array:
     s, up = np.asarray(progress), goal > start
     u = np.minimum(1.0, np.where(up, 2 * s, 2 * (1 - s)))
     step = u**2 * (3 - 2 * u)
-    share: Array = np.where(up, step, 1 - step)
-    return share
+    return np.where(up, step, 1 - step)
 
 
 def clearance_line(task: Task, phase: int, progress: Array) -> Array:

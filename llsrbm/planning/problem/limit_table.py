@@ -55,8 +55,7 @@ class Limit:
 
     def put(self, task: Task, value: float) -> Task:
         """The task with another value."""
-        changed: Task = _put(task, self.place, value)
-        return changed
+        return _put(task, self.place, value)
 
 
 def _put(whole: Any, place: tuple[str | int, ...], value: float) -> Any:

@@ -205,8 +205,7 @@ class Task:
     def stopped_joints(self) -> IntArray:
         """(n,) places among `joint_names` of joints that may come near a stop: of arms all."""
         legs = self.robot.leg_joint_index[near_stops(self.robot)]
-        found: IntArray = np.concatenate([legs, self.free_arms])
-        return found
+        return np.concatenate([legs, self.free_arms])
 
     @cached_property
     def free_arms(self) -> IntArray:
@@ -220,8 +219,7 @@ class Task:
         """(n,) places among `joint_names` of the joints of arms that are held, as if they were
         locked: no plan is refused for what that takes.
         """
-        index: IntArray = np.setdiff1d(self.robot.arm_joint_index, self.free_arms)
-        return index
+        return np.setdiff1d(self.robot.arm_joint_index, self.free_arms)
 
     @cached_property
     def lowest_hips(self) -> float:

@@ -106,5 +106,4 @@ def falling_time(height: float, speed: float) -> float:
 
 def plan_quat(plan: Plan, time: float) -> Array:
     """(4,) of the nearest knot, with the plan's sign."""
-    quat: Array = plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]
-    return quat
+    return plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]

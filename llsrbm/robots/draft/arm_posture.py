@@ -104,8 +104,7 @@ def _solved(anatomy: Anatomy, outward: float) -> Array:
     solved = [
         least_squares(residual, start, bounds=(lower - 1e-9, upper + 1e-9)) for start in starts
     ]
-    angles: Array = min(solved, key=lambda result: float(result.cost)).x
-    return angles
+    return min(solved, key=lambda result: float(result.cost)).x
 
 
 def _upper_arm(anatomy: Anatomy, angles: Array) -> Array:

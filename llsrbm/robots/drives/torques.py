@@ -65,8 +65,7 @@ def torque_in_direction(robot: Robot, speed: Array, torque: Array) -> Array:
 def friction_torque(robot: Robot, speed: Array) -> Array:
     """Torque (..., J), Nm or N, that friction and damping take at speeds (..., J)."""
     friction, damping, per_width = _losses(robot)
-    taken: Array = friction * np.tanh(per_width * speed) + damping * speed
-    return taken
+    return friction * np.tanh(per_width * speed) + damping * speed
 
 
 def _braking(power: float, speed: Array) -> Array:

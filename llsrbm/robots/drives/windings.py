@@ -54,5 +54,4 @@ class Windings:
 
     def heating(self, torque: Array) -> Array:
         """R i^2 (..., J) W at torques (..., J) Nm or N."""
-        heat: Array = self.resistance * (torque / self.torque_constant) ** 2
-        return heat
+        return self.resistance * (torque / self.torque_constant) ** 2

@@ -162,8 +162,7 @@ def _depth(knots: Knots, points: Array) -> Array:
     obstacle = task.obstacle
     middle = np.inf if obstacle is None else (obstacle.near + obstacle.far) / 2
     up = np.array([_step_up(task, int(phase)) for phase in knots.phase])
-    depth: Array = np.where(points[..., 0] < middle, before, beyond) + up[:, None] - points[..., 2]
-    return depth
+    return np.where(points[..., 0] < middle, before, beyond) + up[:, None] - points[..., 2]
 
 
 def _step_up(task: Task, phase: int) -> float:

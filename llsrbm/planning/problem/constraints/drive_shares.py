@@ -32,8 +32,7 @@ def expanded(row: Array) -> Array:
     """The share that a row is of."""
     fourth = row**4
     square = fourth / FAR_BEYOND**2
-    share: Array = np.sign(row) * np.sqrt((square + np.sqrt(square**2 + 4 * fourth)) / 2)
-    return share
+    return np.sign(row) * np.sqrt((square + np.sqrt(square**2 + 4 * fourth)) / 2)
 
 
 def at_middle_and_edge(middle: Array, edge: Array) -> Array:

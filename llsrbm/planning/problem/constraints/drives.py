@@ -92,8 +92,7 @@ class JointTorque(DriveConstraint):
         return at_middle_and_edge(torque, np.full_like(torque, np.nan))
 
     def share_of(self, knots: Knots) -> Array:
-        share: Array = 1 / knots.task.robot.torque_limit
-        return share
+        return 1 / knots.task.robot.torque_limit
 
     def share(self, task: Task) -> float:
         return task.limits.torque_share
@@ -206,8 +205,7 @@ class JointSpeed(DriveConstraint):
         return speed_shares(knots) * _overrun_by(knots)
 
     def share_of(self, knots: Knots) -> Array:
-        share: Array = 1 / knots.task.robot.speed_limit
-        return share
+        return 1 / knots.task.robot.speed_limit
 
     def share(self, task: Task) -> float:
         return task.limits.speed_share

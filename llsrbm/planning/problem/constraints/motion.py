@@ -241,8 +241,7 @@ class ShortOfTurn(Constraint):
 
     def measured(self, rows: Array, task: Task) -> Array:
         """The angles, rad."""
-        angles: Array = np.arcsin(np.clip(rows, -1.0, 1.0))
-        return angles
+        return np.arcsin(np.clip(rows, -1.0, 1.0))
 
 
 class PhaseTimes(Constraint):

@@ -51,5 +51,4 @@ def most(layout: ElasticLayout, task: Task) -> Array:
     """(4,) all that can be given up of a request, in shares of the ranges."""
     numbers = elastic_parameters(layout, task)
     whole, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
-    top: Array = np.divide(whole, scale, out=np.zeros_like(whole), where=scale > 0)
-    return top
+    return np.divide(whole, scale, out=np.zeros_like(whole), where=scale > 0)

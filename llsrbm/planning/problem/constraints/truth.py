@@ -131,8 +131,7 @@ def turn_error(knots: Knots, flight: slice) -> Array:
     momentum, inertia = whole_body(knots, flight)
     missing = knots.momentum_mean[flight] - momentum
     rate = np.linalg.solve(inertia, missing[..., None])[..., 0]
-    turn: Array = knots.dt[flight] @ rate
-    return turn
+    return knots.dt[flight] @ rate
 
 
 def whole_body(knots: Knots, intervals: slice = slice(None)) -> tuple[Array, Array]:
