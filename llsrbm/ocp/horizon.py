@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import casadi as ca
@@ -72,6 +72,13 @@ class Horizon:
 
     runs: tuple[Run, ...]  # of stages
     parameters: int  # number of shared parameters
+    _built: dict[Hashable, StageExpressions | Composed] = field(default_factory=dict, init=False)
+
+    def expressions(self, run: Run) -> StageExpressions | Composed:
+        """Those of a run, built once a family."""
+        if run.family not in self._built:
+            self._built[run.family] = run.build()
+        return self._built[run.family]
 
     def fingerprint(self) -> str:
         """A digest of every operation and number that makes the problem."""
@@ -80,7 +87,7 @@ class Horizon:
         for run in self.runs:
             if run.family not in families:
                 families[run.family] = len(families)
-                digest.update(run.build().as_text().encode())
+                digest.update(self.expressions(run).as_text().encode())
             digest.update(f"{families[run.family], run.count, run.local, run.own}".encode())
         return digest.hexdigest()
 

@@ -16,7 +16,7 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
-from llsrbm.ocp.transcription import FUNCTIONS, Structure, Transcribed
+from llsrbm.ocp.transcription import Transcribed
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,6 @@ NEAR_MU = NEAR_TOLERANCE / 11
 # Fatrop may not come back from there. A slider that moves by 30 deg makes 0.3; a whole-body plan
 # that began at 1.12 never came back, of five that began between 1 and 2 three were found.
 MAX_FOLLOW_MISS = 1.0
-MEMORY_OF_TEXT = 1.4e-6  # MB a letter: 1.0 to 1.5 of ten solvers
 # Likewise of a guess: analytic ones violate rows by some 3.
 MAX_GUESS_MISS = 100.0
 
@@ -72,7 +71,7 @@ class Solver(ABC):
 
     def _adopt(self, transcribed: Transcribed) -> None:
         self._problem = transcribed
-        self._cold = {FROM_GUESS: self._solver_from_guesses(FROM_GUESS)}
+        self._cold: dict[SolveOptions, ca.Function] = {}
         self._near: dict[tuple[float, int] | None, ca.Function] = {None: self._solver_near(None)}
 
     @property
@@ -85,22 +84,6 @@ class Solver(ABC):
     def megabytes(self) -> float:
         """Memory that it takes, MB; 0 if that is not known."""
         return self._problem.megabytes
-
-    def serialize(self) -> str:
-        """The problem as text, for a cache."""
-        serializer = ca.StringSerializer()
-        serializer.pack([self.function(name) for name in FUNCTIONS])
-        for numbers in self._problem.structure.as_lists():
-            serializer.pack(numbers)
-        return str(serializer.encode())
-
-    @classmethod
-    def deserialize(cls, text: str) -> Solver:
-        """The solver of the problem that `serialize` wrote; its size follows from the text's."""
-        serializer = ca.StringDeserializer(text)
-        functions = dict(zip(FUNCTIONS, serializer.unpack(), strict=True))
-        structure = Structure.of_lists(*(serializer.unpack() for _ in range(4)))
-        return cls(Transcribed(functions, structure, MEMORY_OF_TEXT * len(text)))
 
     def replace_by(
         self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import zlib
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from pathlib import Path
 from weakref import WeakKeyDictionary
@@ -20,8 +20,7 @@ from llsrbm.ocp.compiled import Library, c_files, compiler, packed
 from llsrbm.ocp.horizon import Horizon
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import Solver
-from llsrbm.ocp.solvers.base import MEMORY_OF_TEXT
-from llsrbm.ocp.transcription import Transcription
+from llsrbm.ocp.transcription import MEMORY_OF_TEXT, Transcribed, Transcription
 from llsrbm.planning.problem.jump_horizon import make_horizon
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.solve.kept import give_back, make_room
@@ -90,18 +89,21 @@ def cached_solver(kind: type[Solver], subject: Subject) -> Solver:
 
 
 def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
+    horizon = cache(subject.horizon)  # for its fingerprint, and what is made of it
+
     @cache
     def transcription() -> Transcription:
         _log.info("building the %s, once on this machine", subject.title)
         make_room(BUILDING)
-        return Transcription(subject.horizon())
+        return Transcription(horizon())
 
-    def text() -> bytes:
-        solver = kind(transcription())
+    @cache
+    def text() -> str:
+        found = transcription().serialize()
         go_on()
-        return _compressed(solver.serialize())
+        return found
 
-    name, key = _entry(kind, subject)
+    name, key = _entry(kind, replace(subject, horizon=horizon))
     key_in_c = content_key(key, sources("ocp/compiled.py"))
     tool = compiler() if kind.compiled else None
     source, library = b"", None
@@ -110,15 +112,20 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
         library = Library(cache_path(name, content_key(key_in_c, tool.identity), ".so"))
         if (loaded := library.load()) is not None:
             return kind(loaded)
-    stored = cached_bytes(name, key, ".casadi.z", text)
+    stored = cached_bytes(name, key, ".casadi.z", lambda: _compressed(text()))
     if library is not None:
         source = cached_bytes(name, key_in_c, ".c.z", lambda: packed(c_files(transcription())))
-    if transcription.cache_info().currsize:
-        transcription.cache_clear()
+    if text.cache_info().currsize:
+        made, megabytes = transcription(), MEMORY_OF_TEXT * len(text())
+        transcribed = Transcribed(made.functions, made.structure, megabytes)
+    else:
+        transcribed = Transcribed.deserialize(zlib.decompress(stored).decode("ascii"))
+    if horizon.cache_info().currsize:
+        for each in (horizon, transcription, text):
+            each.cache_clear()
         give_back()
-    unpacked = zlib.decompress(stored).decode("ascii")
-    make_room(MEMORY_OF_TEXT * len(unpacked))
-    solver = kind.deserialize(unpacked)
+    make_room(transcribed.megabytes)
+    solver = kind(transcribed)
     if tool is not None and library is not None:
         library.compile(tool, source)
         solver.replace_by(library.load, library.wait)
@@ -150,7 +157,7 @@ def _entry(kind: type[Solver], subject: Subject) -> tuple[str, bytes]:
 def _fingerprint(name: str, subject: Subject) -> bytes:
     """Fingerprint of the problem's expressions, wherever their numbers come from.
 
-    To build them takes a quarter of a second, so it is kept under all that they may depend on:
+    To build them takes some seconds, so it is kept under all that they may depend on:
     every line of the package, and the numbers of robot and model.
     """
     key = content_key(ca.__version__, sources(), subject.numbers)

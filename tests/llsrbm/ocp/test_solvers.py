@@ -9,7 +9,7 @@ import pytest
 from llsrbm.ocp import solvers
 from llsrbm.ocp.solvers import FROM_GUESS, WITHIN, SolveOptions
 from llsrbm.ocp.solvers.base import MAX_FOLLOW_MISS
-from llsrbm.ocp.transcription import Transcription
+from llsrbm.ocp.transcription import Transcribed, Transcription
 from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
 
 every_solver = pytest.mark.parametrize("name", solvers.names())
@@ -17,8 +17,13 @@ GUESS = np.zeros(3 * INTERVALS + 2)
 
 
 @cache
+def transcription():
+    return Transcription(horizon())
+
+
+@cache
 def solver(name):
-    return solvers.by_name(name)(Transcription(horizon()))
+    return solvers.by_name(name)(transcription())
 
 
 @every_solver
@@ -125,8 +130,8 @@ def test_miss_is_the_largest_violation(name):
 
 @every_solver
 def test_from_text_it_is_the_same(name):
-    kind, here = solvers.by_name(name), solver(name)
-    there = kind.deserialize(here.serialize())
+    here = solver(name)
+    there = solvers.by_name(name)(Transcribed.deserialize(transcription().serialize()))
     assert there.sizes == here.sizes == (GUESS.size, problem(1.0).lower.size)
     task = problem(0.9, drag=0.3)
     np.testing.assert_array_equal(
@@ -140,7 +145,7 @@ def test_from_text_it_is_the_same(name):
 
 def test_the_table_is_read_and_nothing_printed(capfd):
     """From the first solve of a solver on, with any options."""
-    fatrop = solvers.by_name("fatrop")(Transcription(horizon()))
+    fatrop = solvers.by_name("fatrop")(transcription())
     for options in (FROM_GUESS, SolveOptions(mu=2e-3, iterations=50)):
         read = []
         assert fatrop.solve(problem(1.0), GUESS, options, read.append).converged
