@@ -9,11 +9,12 @@ from __future__ import annotations
 import json
 import threading
 from collections.abc import Callable, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar, dataclass_transform
 
 import viser
 from pydantic import AfterValidator, ConfigDict, Field, TypeAdapter
 from pydantic.dataclasses import dataclass
+from pydantic_core import from_json
 
 from app.guard.limits import LONGEST_TEXT
 from app.motion.clip import Clip
@@ -29,8 +30,25 @@ Name = Annotated[str, Field(max_length=100)]
 Title = Annotated[str, Field(max_length=1000)]  # of a chart, or of a sweep with its folder
 Text = Annotated[str | None, AfterValidator(lambda text: text or None)]
 
+EVENTS: dict[str, TypeAdapter[Any]] = {}
+"""The events below by the kind that their messages have."""
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+Event = TypeVar("Event")
+
+
+@dataclass_transform(frozen_default=True)
+def _event(kind: str) -> Callable[[type[Event]], type[Event]]:
+    """Have the event of a class be read from messages of that kind."""
+
+    def register(described: type[Event]) -> type[Event]:
+        event: Any = dataclass(frozen=True, config=_FROM_PAGE)(described)
+        EVENTS[kind] = TypeAdapter(event)
+        return event
+
+    return register
+
+
+@_event("ready")
 class PageReady:
     """The scripts run."""
 
@@ -48,150 +66,128 @@ class PageReady:
     preferences: Text = None  # that the browser kept
     dark: bool = False  # the system is
     height: float | None = None  # of the window, pixels; None: not known
-    kind: Literal["ready"] = "ready"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("scheme")
 class SchemeChanged:
     """The system has turned dark, or light."""
 
     dark: bool
-    kind: Literal["scheme"] = "scheme"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("state")
 class PlayerMoved:
     """The motion was paused, started or moved to `time`, or has come to its end."""
 
     time: Time
     playing: bool
-    kind: Literal["state"] = "state"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("playback")
 class PlaybackChosen:
     """Speed (seconds of motion a second) and repetition were chosen in the page."""
 
     speed: Annotated[float, Field(gt=0, le=1)]
     loop: bool
-    kind: Literal["playback"] = "playback"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("clip")
 class ClipTaken:
     """The page has the clip of this number, and can be sent the next one."""
 
     number: Number
-    kind: Literal["clip"] = "clip"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("tuning")
 class TuningChosen:
     """A weight or limit was changed, if there is one of that name; None: the robot's own again."""
 
     group: Literal["weights", "limits"]
     name: Name
     value: float | None
-    kind: Literal["tuning"] = "tuning"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("atlas-seen")
 class AtlasSeen:
     """The page shows the place of the atlas, and has no map yet."""
 
-    kind: Literal["atlas-seen"] = "atlas-seen"
 
-
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("atlas")
 class AtlasClicked:
     """A jump of the atlas was chosen; there may be no such sweep, and no such jump in it."""
 
     sweep: Title
     jump: Number
-    kind: Literal["atlas"] = "atlas"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("pin")
 class PinPressed:
     """A pin's chip was pressed, by its number; there may be no such pin."""
 
     act: Literal["use", "unpin"]
     index: Number
-    kind: Literal["pin"] = "pin"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("gallery")
 class GalleryOpened:
     """The examples are to be seen."""
 
-    kind: Literal["gallery"] = "gallery"
 
-
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("example")
 class ExampleChosen:
     """An example was chosen, if there is one of that name."""
 
     name: Name
-    kind: Literal["example"] = "example"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("export")
 class ExportChosen:
     """A format was chosen to be written, if there is one of that name."""
 
     format: Name
-    kind: Literal["export"] = "export"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("comparison-closed")
 class ComparisonClosed:
     """The comparison was closed, done or not."""
 
-    kind: Literal["comparison-closed"] = "comparison-closed"
 
-
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("certificate")
 class CertificateAsked:
     """The verdict was pressed."""
 
-    kind: Literal["certificate"] = "certificate"
 
-
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("beside")
 class BesideChosen:
     """Whether pinned robots stand beside the one that is shown."""
 
     on: bool
-    kind: Literal["beside"] = "beside"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("chart")
 class ChartDropped:
     """A chart was dropped onto another one, by their titles; None: the one that is on offer."""
 
     chart: Title | None
     onto: Title
-    kind: Literal["chart"] = "chart"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("part")
 class PartAsked:
     """A part of the robot is pointed at, if there is one of that name."""
 
     part: Name
-    kind: Literal["part"] = "part"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("plot")
 class PartPlotted:
     """A row of a part's figures was chosen for the plots; there may be no such row."""
 
     part: Name
     row: Number
-    kind: Literal["plot"] = "plot"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("push")
 class PushDragged:
     """A push was drawn in the picture, from the trunk to a hand."""
 
@@ -199,68 +195,39 @@ class PushDragged:
     x: float  # x, y: m from the trunk's CoM to the hand, world frame
     y: float
     ended: bool  # whether it was let go of
-    kind: Literal["push"] = "push"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("phases")
 class PhasesDragged:
     """An edge of the timeline was put elsewhere."""
 
     # s, of the first phases, up to the one that begins there; none: they are free again
     durations: Annotated[tuple[Time, ...], Field(max_length=20)]
     begins: bool  # whether with it another edge, or the same one anew, is moved
-    kind: Literal["phases"] = "phases"
 
 
-@dataclass(frozen=True, config=_FROM_PAGE)
+@_event("apex")
 class ApexDragged:
     """The apex in the timeline was put higher or lower."""
 
     height: float | None  # m, of the CoM above the ground at the start; None: it is free again
     begins: bool  # whether with it something else than before is moved
-    kind: Literal["apex"] = "apex"
 
 
-PageEvent = (
-    PageReady
-    | SchemeChanged
-    | PlayerMoved
-    | PlaybackChosen
-    | ClipTaken
-    | TuningChosen
-    | AtlasSeen
-    | AtlasClicked
-    | PinPressed
-    | GalleryOpened
-    | ExampleChosen
-    | ExportChosen
-    | ComparisonClosed
-    | CertificateAsked
-    | BesideChosen
-    | ChartDropped
-    | PartAsked
-    | PartPlotted
-    | PushDragged
-    | PhasesDragged
-    | ApexDragged
-)
-_EVENT: TypeAdapter[PageEvent] = TypeAdapter(Annotated[PageEvent, Field(discriminator="kind")])
-
-
-def read_event(message: object) -> PageEvent | None:
+def read_event(message: object) -> Any:
     """The event in a message of a page, or None if no page can have sent it."""
     if not isinstance(message, str) or len(message) > LONGEST_TEXT:
         return None
     try:
-        return _EVENT.validate_json(message)
-    except ValueError:
+        return EVENTS[from_json(message)["kind"]].validate_json(message)
+    except (ValueError, TypeError, LookupError):
         return None
 
 
 class PageLink:
     """Calls a tab's scripts, in the session's thread; a slow page gets the newest clip only."""
 
-    def __init__(self, client: viser.ClientHandle, callback: Callable[[PageEvent], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, callback: Callable[[Any], None]) -> None:
         """Greet the page, which answers with `PageReady`; `callback` is called in other threads."""
         self._client, self._callback = client, callback
         self._field = client.gui.add_text("", "", visible=False)
