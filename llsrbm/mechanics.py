@@ -20,6 +20,9 @@ INSCRIBED = 0.5**0.5
 A pyramid with the cone's own coefficient reaches out of the cone at its edges, where feet slip.
 """
 
+CORNERS: Array = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+"""(8, 3) corners of a cube from 0 to 1."""
+
 _NEXT, _AFTER_NEXT = [1, 2, 0], [2, 0, 1]
 
 
@@ -74,6 +77,19 @@ def quaternions(rotation: Array) -> Array:
     """Rotation matrices (..., 3, 3) as unit quaternions w, x, y, z (..., 4)."""
     flat = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
     return flat.reshape(*rotation.shape[:-2], 4)
+
+
+def turned_to(along: Array, axis: int) -> Array:
+    """Quaternions w, x, y, z (..., 4) that turn an axis, 0 to 2, to `along` (..., 3).
+
+    The short way; none where there is no length.
+    """
+    own, length = np.eye(3)[axis], np.linalg.norm(along, axis=-1, keepdims=True)
+    unit = np.where(length > 0, along / np.where(length > 0, length, 1.0), own)
+    wxyz = np.concatenate([1 + unit[..., axis, None], cross(own, unit)], axis=-1)
+    # Straight back, any half turn about an axis across.
+    wxyz[unit[..., axis] < -1 + 1e-9] = [0.0, *np.eye(3)[2 - axis]]
+    return wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)
 
 
 def rotation_vectors(rotation: Array) -> Array:

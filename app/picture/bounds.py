@@ -10,7 +10,7 @@ from llsrbm.arrays import Array
 from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import forward_kinematics
-from llsrbm.mechanics import rotation_matrices
+from llsrbm.mechanics import CORNERS, rotation_matrices, turns_about_z
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 
@@ -21,18 +21,9 @@ _DIRECTIONS = 64  # in which the outermost points are looked for
 @lru_cache(maxsize=8)
 def extents(robot: Robot) -> tuple[tuple[int, ...], Array]:
     """Indices of the bodies that have a mesh, and the corners (8, 3) m of a box around each."""
-    corners = []
     visuals = visuals_at_once(robot)  # collision shapes are as large, to some centimetres
-    for visual in visuals:
-        low, high = visual.vertices.min(axis=0), visual.vertices.max(axis=0)
-        corners.append(
-            [
-                [x, y, z]
-                for x in _ends(low, high, 0)
-                for y in _ends(low, high, 1)
-                for z in _ends(low, high, 2)
-            ]
-        )
+    lows = [visual.vertices.min(axis=0) for visual in visuals]
+    corners = [low + CORNERS * np.ptp(v.vertices, axis=0) for low, v in zip(lows, visuals)]
     return tuple(visual.joint_id - 1 for visual in visuals), np.reshape(corners, (-1, 8, 3))
 
 
@@ -54,13 +45,10 @@ def around_default(robot: Robot) -> Array:
     return around(robot, position[None], wxyz[None])
 
 
-def corners(block: Block) -> Array:
+def corners(block: Block, largest: float = _LARGE) -> Array:
     """Corners (8, 3) m of a block, as far as it is near: what is large is ground."""
-    size = np.where(block.size < _LARGE, block.size, 0.0)
-    c, s = np.cos(block.yaw), np.sin(block.yaw)
-    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    return block.centre + 0.5 * (signs * size) @ turn.T
+    size = np.where(block.size < largest, block.size, 0.0)
+    return block.centre + ((CORNERS - 0.5) * size) @ turns_about_z(block.yaw).T
 
 
 def outermost(points: Array) -> Array:
@@ -81,10 +69,6 @@ def default_pose(robot: Robot) -> tuple[Array, Array]:
         robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
     )
     return position[0], wxyz[0]
-
-
-def _ends(low: Array, high: Array, axis: int) -> tuple[float, float]:
-    return float(low[axis]), float(high[axis])
 
 
 def apart(robot: Robot, one: ShownMotion, other: ShownMotion, time: Array) -> Array:

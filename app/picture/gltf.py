@@ -150,15 +150,6 @@ def _blended(tree: dict[str, Any]) -> None:
     give_material(tree, {"alphaMode": "BLEND", "extensions": {"KHR_materials_unlit": {}}})
 
 
-def z_to(along: Array) -> Array:
-    """Quaternions (F, 4) that turn z to the directions `along` (F, 3), the short way."""
-    z = along / np.linalg.norm(along, axis=1, keepdims=True)
-    wxyz = np.stack([1 + z[:, 2], -z[:, 1], z[:, 0], np.zeros(len(z))], axis=1)
-    # Straight down, any half turn about a horizontal axis.
-    wxyz[z[:, 2] < -1 + 1e-9] = [0.0, 1.0, 0.0, 0.0]
-    return wxyz / np.linalg.norm(wxyz, axis=1, keepdims=True)
-
-
 def x_to(along: Array) -> Array:
     """Quaternions (F, 4) that turn x to the directions `along` (F, 3) and keep y level."""
     yaw = np.arctan2(along[:, 1], along[:, 0]) / 2

@@ -19,13 +19,12 @@ from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.blocks import Blocks, standing_track
 from app.picture.blocks import place as place_box
-from app.picture.bounds import around, outermost
+from app.picture.bounds import around, corners, outermost
 from app.picture.drawing import Drawing
 from app.picture.overlays.inertia_ellipsoids import Ellipsoid, InertiaEllipsoids
 from app.picture.picture import Picture, Standing
 from app.picture.robot_nodes import RobotNodes, RobotShelf, shadow_track
 from llsrbm.arrays import Array
-from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.surroundings import Block
 
 _FREE = 0.25  # m between what two neighbours sweep
@@ -181,13 +180,7 @@ def _room(standing: Standing) -> Array:
     frames = standing.frames
     poses = frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY]
     swept = around(standing.robot, *poses).reshape(-1, 3)
-    return np.concatenate([swept, *map(_corners, standing.blocks)])
-
-
-def _corners(block: Block) -> Array:
-    """(8, 3) m."""
-    signs = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3), axis=-1).reshape(-1, 3)
-    return np.asarray(block.centre + (signs * block.size) @ turns_about_z(block.yaw).T)
+    return np.concatenate([swept, *(corners(block, np.inf) for block in standing.blocks)])
 
 
 def _shifts(rooms: Sequence[Array], fixed: int, axis: int) -> list[Array]:

@@ -48,9 +48,7 @@ class TimeSeries:
         """Those of a simulation at every control tick; `planned` is the motion that it followed."""
         motion = motion_at_ticks(rollout, np.arange(len(rollout.time)))
         # Momenta are those of the simulated masses.
-        trunk = motion.robot.model.inertias[1].mass
-        mass = motion.robot.mass + (rollout.disturbance.trunk_mass_factor - 1) * trunk
-        return cls(motion, rollout, planned, mass)
+        return cls(motion, rollout, planned, rollout.disturbance.mass(motion.robot))
 
     @property
     def robot(self) -> Robot:

@@ -19,6 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
+from llsrbm.mechanics import CORNERS
 from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.robot import Leg, Robot
 from llsrbm.robots.solids import PlacedSolid, convex_hull, placed_solids
@@ -26,7 +27,6 @@ from llsrbm.robots.solids import PlacedSolid, convex_hull, placed_solids
 Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
-_DIAGONALS = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
 SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
 _METHOD = "shapes 5"  # a new one makes cached shapes old
 
@@ -189,7 +189,7 @@ def _outermost(mesh: PlacedSolid) -> Array:
             f'{mesh.solid.file}: the hull of this mesh of link "{mesh.link}" cannot be found; '
             "expected a mesh with corners in more than one place"
         ) from error
-    ends = np.concatenate([np.eye(3), -np.eye(3), _DIAGONALS])
+    ends = np.concatenate([np.eye(3), -np.eye(3), 2 * CORNERS - 1])
     kept = np.unique((corners @ ends.T).argmax(axis=0))
     while True:
         faces = ConvexHull(corners[kept], qhull_options="QJ").equations

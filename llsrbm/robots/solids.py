@@ -12,6 +12,7 @@ import numpy as np
 import pinocchio as pin
 
 from llsrbm.arrays import Array
+from llsrbm.mechanics import CORNERS
 from llsrbm.robots.description import Description, Solid
 from llsrbm.robots.mesh_files import read_meshes
 from llsrbm.robots.urdf import frame_id
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     import trimesh
 
 _ROUND = 32  # faces around a cylinder that is drawn
-_CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class PlacedSolid:
     def corners(self) -> Array:
         """(n, 3) m: of a mesh its vertices, else the corners of the box around it; joint frame."""
         mesh = self.solid.kind == "mesh"
-        own = self.vertices if mesh else (2 * _CORNERS - 1) * self.half_lengths
+        own = self.vertices if mesh else (2 * CORNERS - 1) * self.half_lengths
         return own @ self.placement.rotation.T + self.placement.translation
 
     def meshes(self) -> Iterator[trimesh.Trimesh]:

@@ -12,12 +12,8 @@ from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.arrays import Array, BoolArray
-from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.mechanics import INSCRIBED
-
-ARROW_PER_WEIGHT = 0.8  # Length of the arrow of a force as large as the robot's weight, m
-
-_PUSHING = 1.0  # N; smaller forces are not drawn
+from llsrbm.look.shown_motion import ARROW_PER_WEIGHT, ShownMotion
+from llsrbm.mechanics import INSCRIBED, turned_to
 
 
 class Forces(Overlay):
@@ -34,19 +30,17 @@ class Forces(Overlay):
     root = "/arrows"
 
     def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
-        length = np.linalg.norm(frames.foot_force, axis=2)
-        pushing = length > _PUSHING
-        along = np.where(pushing[..., None], frames.foot_force, [0.0, 0.0, 1.0])
-        long = np.where(pushing, length * ARROW_PER_WEIGHT / frames.weight, 0.0)
-        wide = pushing.astype(float)
+        arrows = frames.arrows
+        long = np.linalg.norm(arrows, axis=2)
+        wide = (long > 0).astype(float)
         return [
             Track(
                 (name,),
                 frames.pressed_at[:, foot],
-                gltf.z_to(along[:, foot]),
+                turned_to(arrows[:, foot], 2),
                 np.stack([wide[:, foot], wide[:, foot], long[:, foot]], axis=1),
             )
-            for foot, name in enumerate(self.nodes(gltf.arrow(colours.FORCE), length.shape[1]))
+            for foot, name in enumerate(self.nodes(gltf.arrow(colours.FORCE), long.shape[1]))
         ]
 
 
@@ -138,9 +132,7 @@ class AngularMomentum(Overlay):
     def tracks(self, picture: Picture, frames: ShownMotion) -> Sequence[Track]:
         amount = np.linalg.norm(frames.angular_momentum, axis=1)
         turning = amount > _TURNING
-        along = np.where(turning[:, None], frames.angular_momentum, [0.0, 0.0, 1.0])
         wide = _WIDE * turning
         size = np.stack([wide, wide, turning * amount * METRES_PER_UNIT], axis=1)
-        return [
-            Track(tuple(self.nodes(gltf.arrow(colours.COM), 1)), frames.com, gltf.z_to(along), size)
-        ]
+        nodes = tuple(self.nodes(gltf.arrow(colours.COM), 1))
+        return [Track(nodes, frames.com, turned_to(frames.angular_momentum, 2), size)]

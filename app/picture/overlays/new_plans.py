@@ -13,7 +13,7 @@ from app.picture import gltf
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from llsrbm.arrays import Array, IntArray
-from llsrbm.mechanics import interpolated
+from llsrbm.mechanics import interpolated, turned_to
 from llsrbm.motion.replan import Replan
 
 _PIECES = 14  # of the CoM's path
@@ -49,12 +49,11 @@ class NewPlans(Overlay):
         paths = np.stack([_path(replan) for replan in taken])
         start, along = paths[:, :-1], np.diff(paths, axis=1)
         length = np.linalg.norm(along, axis=2)
-        along = np.where(length[..., None] > 0, along, [0.0, 0.0, 1.0])
         size = np.stack([np.full_like(length, _THICK)] * 2 + [length], axis=2)
         time, which = _times(taken)
         there = np.append(0.0, np.ones(len(which) - 1))[:, None]  # none before the first one
         tracks = [
-            Track((name,), start[which, k], gltf.z_to(along[which, k]), there * size[which, k])
+            Track((name,), start[which, k], turned_to(along[which, k], 2), there * size[which, k])
             for k, name in enumerate(self.nodes(gltf.rod(colours.REPLANNED), _PIECES, "path"))
         ]
         feet = np.stack([replan.foot_position[-1] for replan in taken])

@@ -16,6 +16,7 @@ from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
 from app.picture.push_handle import newton_seconds
 from llsrbm.look.shown_motion import ShownMotion
+from llsrbm.mechanics import turned_to
 
 _SEEN = 0.1  # s for which a push is seen; it is over after a fifth of that
 _WIDE = 1.6  # times as thick as the arrow of a force
@@ -67,13 +68,11 @@ class Pushes(Overlay):
             label.text = newton_seconds(push.impulse)
             reach = metres_per_newton_second(robot) * np.array(push.impulse)
             length = float(np.linalg.norm(reach))
-            if length == 0:
-                reach = np.array([0.0, 0.0, 1.0])  # a moment alone has no arrow
             seen = (frames.time > push.time - 1 / FRAME_RATE) & (frames.time < push.time + _SEEN)
-            seen &= length > 0
+            seen &= length > 0  # a moment alone has no arrow
             size = np.array([_WIDE, _WIDE, length])
             tip = np.where(seen[:, None], origin + reach, _AWAY)
-            along = gltf.z_to(np.tile(reach, (len(origin), 1)))
+            along = np.broadcast_to(turned_to(reach, 2), (len(origin), 4))
             tracks += [
                 Track((arrow,), origin, along, seen[:, None] * size),
                 Track((label.name,), tip),

@@ -25,6 +25,7 @@ from llsrbm.formats.logs.series import (
 from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
+from llsrbm.mechanics import turned_to
 from llsrbm.motion.bodies import link_paths, urdf_joints
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Block, Surroundings
@@ -172,7 +173,7 @@ def _forces(context: Context, motion: ShownMotion, top: str) -> Iterator[Entry]:
     pressed_at = motion.pressed_at
     channel = channels.SceneUpdateChannel(f"{top}/contact_forces", context=context)
     arrows, look = motion.arrows, colour(FORCE)
-    length, quat = np.linalg.norm(arrows, axis=2), turned_x_to(arrows)
+    length, quat = np.linalg.norm(arrows, axis=2), turned_to(arrows, 0)
     for k, time in enumerate(nanoseconds(motion.time)):
         drawn = [
             fm.ArrowPrimitive(
@@ -300,16 +301,3 @@ def colours(rgb: NDArray[np.uint8]) -> list[fm.Color]:
     distinct, which = np.unique(rgb, axis=0, return_inverse=True)
     palette = [colour(each) for each in distinct.tolist()]
     return [palette[i] for i in which.ravel().tolist()]
-
-
-def turned_x_to(along: Array) -> Array:
-    """Quaternions (..., 4) w, x, y, z that turn x to `along` (..., 3), as arrows want it.
-
-    The short way; none where there is no length.
-    """
-    length = np.linalg.norm(along, axis=-1, keepdims=True)
-    x = np.where(length > 0, along / np.where(length > 0, length, 1.0), [1.0, 0.0, 0.0])
-    wxyz = np.stack([1 + x[..., 0], np.zeros(x.shape[:-1]), -x[..., 2], x[..., 1]], axis=-1)
-    # Straight back, any half turn about an axis across.
-    wxyz[x[..., 0] < -1 + 1e-9] = [0.0, 0.0, 0.0, 1.0]
-    return wxyz / np.linalg.norm(wxyz, axis=-1, keepdims=True)

@@ -13,17 +13,25 @@ from scipy.spatial.transform import Rotation
 
 from app.motion import colours
 from app.picture import gltf
-from app.picture.overlays.forces import ARROW_PER_WEIGHT, Forces
+from app.picture.overlays.forces import Forces
 from app.picture.picture import Picture
+from llsrbm.look.shown_motion import ARROW_PER_WEIGHT, ShownMotion
 from tests.app.picture.recorded import RecordedClient
 
 WEIGHT = 300.0  # N
 
 
+def pressing(force, pressed):
+    """Frames of feet under forces (F, L, 3) N that act at places (F, L, 3) m."""
+    frames = SimpleNamespace(foot_force=force, pressed_at=pressed, weight=WEIGHT)
+    frames.arrows = ShownMotion.arrows.fget(frames)
+    return frames
+
+
 def arrow(force):
     """Of one foot under forces (F, 3) N: where they begin and end, (F, 3) m each."""
     pressed = np.arange(3.0 * len(force)).reshape(-1, 3)
-    frames = SimpleNamespace(foot_force=force[:, None], pressed_at=pressed[:, None], weight=WEIGHT)
+    frames = pressing(force[:, None], pressed[:, None])
     (track,) = Forces(RecordedClient().scene).tracks(Picture(), frames)
     assert track.nodes == ("/arrows/0",)
     assert track.position == pytest.approx(pressed)
@@ -53,7 +61,7 @@ def test_an_arrow_may_point_straight_down(down):
 def test_each_foot_has_an_arrow_of_its_own():
     force = np.zeros((1, 2, 3))
     force[0, 1, 2] = WEIGHT
-    frames = SimpleNamespace(foot_force=force, pressed_at=np.zeros((1, 2, 3)), weight=WEIGHT)
+    frames = pressing(force, np.zeros((1, 2, 3)))
     idle, pushing = Forces(RecordedClient().scene).tracks(Picture(), frames)
     assert idle.scale.tolist() == [[0, 0, 0]]
     assert pushing.scale[0, 2] == pytest.approx(ARROW_PER_WEIGHT)
