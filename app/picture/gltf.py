@@ -23,9 +23,14 @@ _AXIS = 0.06  # share of an axis' length that it is thick
 
 
 def solid(
-    mesh: trimesh.Trimesh, colour: Rgb, opacity: float = 1.0, *, sharp: bool = False
+    mesh: trimesh.Trimesh,
+    colour: Rgb,
+    opacity: float = 1.0,
+    *,
+    sharp: bool = False,
+    both_sides: bool = True,
 ) -> bytes:
-    """A mesh in one colour, seen from both sides; `sharp`: its edges are seen."""
+    """A mesh in one colour; `sharp`: its edges are seen, `both_sides`: its inside, too."""
     import trimesh
     from trimesh.visual.material import PBRMaterial
 
@@ -37,7 +42,7 @@ def solid(
         metallicFactor=0.0,
         roughnessFactor=0.9,
         alphaMode="BLEND" if opacity < 1 else "OPAQUE",
-        doubleSided=True,
+        doubleSided=both_sides,
     )
     drawn = trimesh.Trimesh(
         vertices=mesh.vertices,

@@ -14,7 +14,7 @@ import numpy as np
 import viser
 
 from app.motion.clip import AnimationChannel, CameraTarget, Track
-from app.motion.colours import Rgb, linear
+from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.blocks import tops_under
 from app.picture.bounds import around, around_default, corners, default_pose, outermost
@@ -37,26 +37,11 @@ def meshes(
     robot: Robot, *, fine: bool = False, ghost: Rgb | None = None, stand_in: bool = False
 ) -> tuple[tuple[str, int, bytes], ...]:
     """(link, body, glTF) of each body, ghosts in one colour; `stand_in`: collision shapes."""
-    from trimesh import Trimesh
-    from trimesh.visual import TextureVisuals
-    from trimesh.visual.material import PBRMaterial
 
     def glb(visual: LinkVisual) -> bytes:
         if ghost is None:
             return visual.glb()
-        material = PBRMaterial(
-            baseColorFactor=[*linear(ghost), _GHOST_OPACITY],
-            metallicFactor=0.0,
-            roughnessFactor=0.9,
-            alphaMode="BLEND",
-        )
-        return Trimesh(
-            vertices=visual.vertices,
-            faces=visual.faces,
-            vertex_normals=visual.normals,
-            visual=TextureVisuals(material=material),
-            process=False,
-        ).export(file_type="glb")
+        return gltf.solid(visual.mesh(), ghost, _GHOST_OPACITY, both_sides=False)
 
     visuals = collision_visuals(robot) if stand_in else link_visuals(robot, coarse=not fine)
     return tuple((visual.link, visual.joint_id - 1, glb(visual)) for visual in visuals)
