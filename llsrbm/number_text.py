@@ -1,4 +1,4 @@
-"""Numbers as people read them: − for a minus, no sign on zero, °, and a space before other units.
+"""Numbers as people read them, and tables: − for a minus, no sign on zero, °, other units apart.
 
 For prose and tables, of the page and of the command line. JSON and files have plain numbers.
 """
@@ -6,6 +6,7 @@ For prose and tables, of the page and of the command line. JSON and files have p
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 
 def decimal(value: float, places: int = 0, *, signed: bool = False) -> str:
@@ -42,6 +43,13 @@ def duration(seconds: float) -> str:
             amount = seconds / size
             return f"{amount:.1f} {unit}" if unit == "h" else f"{amount:.0f} {unit}"
     return f"{seconds / 86_400:.1f} days"
+
+
+def aligned(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table, its columns as wide as their longest cell."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    pad = (zip(row, widths, strict=True) for row in rows)
+    return ["  ".join(f"{cell:<{width}}" for cell, width in cells).rstrip() for cells in pad]
 
 
 def _minus(text: str) -> str:

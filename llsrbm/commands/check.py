@@ -20,12 +20,8 @@ def check_command(
         Path,
         typer.Argument(metavar="FILE", help="A native file, or another tool's (`llsrbm formats`)."),
     ],
-    robot: Annotated[
-        str, typer.Option(metavar="R", help="Robot that moves in another tool's file.")
-    ] = "anymal",
-    fps: Annotated[
-        float | None, typer.Option(help="Frames per second of a file that does not say.")
-    ] = None,
+    robot: options.Mover = "anymal",
+    fps: options.Fps = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Print the certificate of a plan, a simulation or another tool's motion.
@@ -64,12 +60,12 @@ def check_command(
 
 def _table(certificate: Certificate) -> list[str]:
     """A head, a line a check and the result."""
+    from llsrbm.number_text import aligned
+
     rows = [("check", "", "worst", "allowed", "limit", "where", "time"), *map(_row, certificate)]
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(f"{c:<{w}}" for c, w in zip(row, widths, strict=True)) for row in rows]
     broken = ", ".join(found.name for found in certificate.broken)
     words = {True: "holds", False: f"does not hold: {broken}", None: "holds as far as it is known"}
-    return [*(line.rstrip() for line in lines), f"The certificate {words[certificate.holds]}."]
+    return [*aligned(rows), f"The certificate {words[certificate.holds]}."]
 
 
 def _power(certificate: Certificate, robot: Robot) -> list[str]:

@@ -27,12 +27,8 @@ def compare_command(
         list[Path],
         typer.Argument(metavar="FILE...", help="Native files, or other tools' (`llsrbm formats`)."),
     ],
-    robot: Annotated[
-        str, typer.Option(metavar="R", help="Robot that moves in other tools' files.")
-    ] = "anymal",
-    fps: Annotated[
-        float | None, typer.Option(help="Frames per second of files that do not say.")
-    ] = None,
+    robot: options.Mover = "anymal",
+    fps: options.Fps = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Print the figures of plans, simulations and other motions beside each other, a row a file.

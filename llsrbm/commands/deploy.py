@@ -115,16 +115,13 @@ def deploy_command(
 
 def _plan(file: Path | None, robot: str | None, tier: str) -> _Ready:
     """Plays a plan. Raises `InputError`: there is none, or no such tier."""
-    import llsrbm
     from llsrbm.motion.robot import robot_of
     from llsrbm.player.requirements import check_plan
     from llsrbm.player.tiers import tier_called
 
     if file is None:
         raise InputError("deploy: no plan; expected PLAN.npz, or --excite with --robot and --hung")
-    plan = llsrbm.load(file)
-    if not isinstance(plan, llsrbm.Plan):
-        raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    plan = options.read_plan(file)
     loaded, chosen = robot_of(plan, robot), tier_called(tier)
     return _Ready(
         file.stem,

@@ -65,6 +65,7 @@ def designs_command() -> int:
 
 def tuning_command(robot: options.Robot = "anymal") -> int:
     """List the weights and limits that a request may change, with the robot's own values."""
+    from llsrbm.number_text import aligned
     from llsrbm.planning.problem.costs import COSTS, default_weights
     from llsrbm.planning.problem.placement import limits_of
     from llsrbm.robots import load_robot
@@ -83,8 +84,5 @@ def tuning_command(robot: options.Robot = "anymal") -> int:
         own = f"{scale * value:.4g}"
         rows.append(("limit", limit.name, own, accepted, unit, limit.effect))
     heading = ("", "name", "value", "range", "unit", "what raising it does")
-    widths = [max(map(len, column)) for column in zip(heading, *rows, strict=True)]
-    for row in (heading, *rows):
-        cells = (f"{cell:{width}}" for cell, width in zip(row, widths, strict=True))
-        print("  ".join(cells).rstrip())
+    print(*aligned([heading, *rows]), sep="\n")
     return console.DONE

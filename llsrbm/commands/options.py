@@ -23,6 +23,7 @@ from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
+    from llsrbm.motion.plan import Plan
     from llsrbm.request.design import Design
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
@@ -37,6 +38,11 @@ Interface = Annotated[
     typer.Option(metavar="IF", help="Network interface; lo: this machine, for `llsrbm robot-sim`."),
 ]
 Domain = Annotated[int | None, typer.Option(help="DDS domain [default: 1 on lo, 0 elsewhere].")]
+
+Mover = Annotated[
+    str, typer.Option("--robot", metavar="R", help="Robot that moves in another tool's file.")
+]
+Fps = Annotated[float | None, typer.Option(help="Frames per second of a file that does not say.")]
 
 Weights = Annotated[
     list[str] | None,
@@ -83,6 +89,16 @@ def is_given(context: typer.Context, name: str) -> bool:
 def option(name: str) -> str:
     """The option of a parameter: "--end-speed"."""
     return f"--{name.replace('_', '-')}"
+
+
+def read_plan(file: Path) -> Plan:
+    """The plan in a native file; `InputError`: it holds a rollout."""
+    import llsrbm
+
+    found = llsrbm.load(file)
+    if not isinstance(found, llsrbm.Plan):
+        raise InputError(f"{file}: holds a {type(found).__name__.lower()}; expected a plan")
+    return found
 
 
 def requested_tuning(tuning: Tuning, weight: list[str] | None, limit: list[str] | None) -> Tuning:

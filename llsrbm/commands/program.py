@@ -79,25 +79,14 @@ def _llsrbm(
         print(context.get_help())
 
 
-app.command("plan")(plan_command)
-app.command("simulate")(simulate_command)
-app.command("export")(export_command)
-app.command("replay")(replay_command)
-app.command("robots")(robots_command)
 app.add_typer(robot_app)
-app.command("models")(models_command)
-app.command("types")(types_command)
-app.command("tuning")(tuning_command)
-app.command("formats")(formats_command)
-app.command("designs")(designs_command)
-app.command("check")(check_command)
-app.command("compare")(compare_command)
-app.command("sweep")(sweep_command)
-app.command("atlas")(atlas_command)
-app.command("dataset")(dataset_command)
-app.command("robot-sim")(robot_sim_command)
-app.command("deploy")(deploy_command)
-app.command("identify")(identify_command)
+for _command in (
+    *(plan_command, simulate_command, export_command, replay_command, robots_command),
+    *(models_command, types_command, tuning_command, formats_command, designs_command),
+    *(check_command, compare_command, sweep_command, atlas_command, dataset_command),
+    *(robot_sim_command, deploy_command, identify_command),
+):
+    app.command(_command.__name__.removesuffix("_command").replace("_", "-"))(_command)
 
 
 def run(arguments: list[str] | None) -> int:

@@ -13,11 +13,7 @@ import typer
 from llsrbm.commands import console
 from llsrbm.errors import InputError, RobotFileError
 
-robot_app = typer.Typer(
-    name="robot",
-    help="Robot files: write a first one from a URDF; learn jumps that later ones begin from.",
-    rich_markup_mode=None,
-)
+robot_app = typer.Typer(name="robot", rich_markup_mode=None)
 
 
 @robot_app.callback()

@@ -173,12 +173,9 @@ def _surroundings(file: Path | None, robot: Robot) -> Surroundings:
 
     if file is None:
         return FLAT
-    import llsrbm
     from llsrbm.request.scenario import Scenario
 
-    plan = llsrbm.load(file)
-    if not isinstance(plan, llsrbm.Plan):
-        raise InputError(f"{file}: holds a {type(plan).__name__.lower()}; expected a plan")
+    plan = options.read_plan(file)
     if set(plan.joint_names) != set(robot.joint_names):
         raise InputError(f"{file}: expected a plan of {robot.file.title}, got {plan.jump.robot}'s")
     around = surroundings(robot, plan, Scenario())

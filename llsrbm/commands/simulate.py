@@ -58,7 +58,7 @@ def simulate_command(
         tuning = options.requested_tuning(request.tuning, weight, limit)
         scenario = request.scenario.but(**conditions)
         if file is not None:
-            plan = _read_plan(file)
+            plan = options.read_plan(file)
         else:
             plan = _planned(request.jump, solver, tuning, scenario, draft=draft)
         if scenario.replan:
@@ -97,15 +97,6 @@ def _planned(jump: Jump, solver: str, tuning: Tuning, scenario: Scenario, *, dra
     if not plan.certified and not draft:
         console.print_remarks([f"the plan is a draft: {draft_reason(plan)}"])
     return plan
-
-
-def _read_plan(file: Path) -> Plan:
-    import llsrbm
-
-    trajectory = llsrbm.load(file)
-    if not isinstance(trajectory, llsrbm.Plan):
-        raise InputError(f"{file}: holds a {type(trajectory).__name__.lower()}; expected a plan")
-    return trajectory
 
 
 def _description(rollout: Rollout) -> dict[str, str]:

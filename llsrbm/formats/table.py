@@ -31,6 +31,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.sampling import resample, with_events
 from llsrbm.motion.trajectory import Trajectory
+from llsrbm.number_text import aligned
 
 Column = tuple[str, Array]
 
@@ -98,12 +99,8 @@ def quantity_rows() -> list[str]:
             (name, ", ".join(map(str, q.shape)), q.unit or _codes(q.codes), q.frame, q.meaning)
             for name, q in quantities(of).items()
         ]
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines += ["", f"{of.__name__}: name, shape, unit, frame, meaning"]
-        lines += [
-            "  ".join(f"{cell:{width}}" for cell, width in zip(row, widths, strict=True)).rstrip()
-            for row in rows
-        ]
+        lines += aligned(rows)
     return lines
 
 

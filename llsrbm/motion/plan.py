@@ -85,6 +85,12 @@ class OfRobot:
         """(P,) what the numbers of `phase` stand for."""
         return self.schedule.names
 
+    def _repr_html_(self: Any) -> str:
+        """Show it in a notebook: its replay, or a table of figures."""
+        from llsrbm.motion.notebook import notebook_html
+
+        return notebook_html(self)
+
 
 @dataclass(frozen=True, eq=False)
 class Plan(OfRobot):
@@ -262,12 +268,6 @@ class Plan(OfRobot):
     def touchdown(self) -> float:
         """s: when the last flight ends, as the first foot lands."""
         return float(self.phase_start[self.schedule.flights[-1] + 1])
-
-    def _repr_html_(self) -> str:
-        """Show it in a notebook: its replay, or a table of figures."""
-        from llsrbm.motion.notebook import notebook_html
-
-        return notebook_html(self)
 
     def save(self, path: str | Path) -> None:
         """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`.

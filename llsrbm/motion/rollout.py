@@ -231,12 +231,6 @@ class Rollout(OfRobot):
         """True if the robot stands at the end."""
         return self.outcome.status == "landed"
 
-    def _repr_html_(self) -> str:
-        """Show it in a notebook: its replay, or a table of figures."""
-        from llsrbm.motion.notebook import notebook_html
-
-        return notebook_html(self)
-
     def save(self, path: str | Path) -> None:
         """Write llsrbm.rollout/1: the rollout, its replans, and the plan under "plan/".
 

@@ -26,6 +26,7 @@ from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.errors import InputError
 from llsrbm.files.quantity import TIME, Between, quantities
 from llsrbm.mechanics import rotation_matrices, sign_continuous, slerp
+from llsrbm.motion.curves import Polynomials
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 
@@ -160,8 +161,7 @@ class Interpolation:
     Attributes:
         time: (K,) s, within the motion; outside: (K,) whether it had to be moved there.
         at: (K,) the last knot that is not later; exact: (K,) whether it is at that very time.
-        left: (K,) the knot before, the last one excepted; dt: (K,) s, from there to the next.
-        share: (K,) of the way from there to the next.
+        left: (K,) the knot before, the last one excepted; share: (K,) of the way to the next.
     """
 
     time: Array
@@ -169,7 +169,6 @@ class Interpolation:
     at: IntArray
     exact: BoolArray
     left: IntArray
-    dt: Array
     share: Array
 
     @staticmethod
@@ -178,11 +177,10 @@ class Interpolation:
         inside = np.clip(times, knots[0], knots[-1])
         at = np.searchsorted(knots, inside + _SAME_INSTANT, side="right") - 1
         left = np.minimum(at, len(knots) - 2)
-        dt = np.diff(knots)[left]
-        share = np.clip((inside - knots[left]) / dt, 0.0, 1.0)
+        share = np.clip((inside - knots[left]) / np.diff(knots)[left], 0.0, 1.0)
         exact = np.abs(knots[at] - inside) <= _SAME_INSTANT
         outside = np.abs(times - inside) > _SAME_INSTANT
-        return Interpolation(inside, outside, at, exact, left, dt, share)
+        return Interpolation(inside, outside, at, exact, left, share)
 
     def weighted(self, factor: Array, values: Array) -> Array:
         """`values` (K, ...), each times its own of `factor` (K,)."""
@@ -204,17 +202,6 @@ class Interpolation:
         mixed = self.linear(qpos)
         mixed[:, 3:7] = self.turning(qpos[:, 3:7])
         return mixed
-
-    def cubic(self, values: Array, slope_start: Array, slope_end: Array) -> Array:
-        """`values` (N, n) with the slopes (K, n) at both ends of each instant's interval."""
-        a, b = values[self.left], values[self.left + 1]
-        s = self.share
-        return (
-            a
-            + self.weighted(s * s * (3 - 2 * s), b - a)
-            + self.weighted(self.dt * s * (1 - s) ** 2, slope_start)
-            + self.weighted(self.dt * s * s * (s - 1), slope_end)
-        )
 
 
 _RULES: dict[Between, Callable[[Interpolation, Any], Any]] = {
@@ -268,16 +255,14 @@ class _BetweenKnots:
         return self._ballistic("com")
 
     def _ballistic(self, name: str) -> Array:
-        plan, left = self._plan, self._instants.left
+        plan, instants, values = self._plan, self._instants, getattr(self._plan, name)
         if name == "com":
-            slopes = plan.com_velocity[left], plan.com_velocity[left + 1]
+            first, last = plan.com_velocity[:-1], plan.com_velocity[1:]
         else:
-            force, points = plan.contact_force[left], plan.contact_point[left]
-            slopes = (
-                _moment(points, plan.com[left], force),
-                _moment(points, plan.com[left + 1], force),
-            )
-        return self._instants.cubic(getattr(plan, name), *slopes)
+            force, points = plan.contact_force[:-1], plan.contact_point[:-1]
+            first, last = (_moment(points, com, force) for com in (plan.com[:-1], plan.com[1:]))
+        curve = Polynomials.between(np.diff(values, axis=0), first, last, np.diff(plan.time))
+        return curve.plus(values[:-1]).at(instants.left, instants.share)
 
     def _from_com(self, points: Array) -> Array:
         """Points (N, 3) or (N, n, 3), straight between knots seen from the CoM in base axes."""
