@@ -149,6 +149,8 @@ def made(robot: Robot, weights: Array) -> Feasible:
 def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
     """Why nothing is known of a request, as half a sentence; "": it is."""
     plain = Jump(robot=jump.robot)
+    if jump.stones:
+        return "with feet landing elsewhere"
     names = {*plain.as_dict()} - {*COMPONENTS, "model", "arms"}
     if any(getattr(jump, name) != getattr(plain, name) for name in names):
         return "of this type of jump"

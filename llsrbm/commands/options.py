@@ -20,6 +20,7 @@ from llsrbm.number_text import decimal, degrees
 from llsrbm.request.jump import TYPE_PARAMETERS, Jump, Load, parse_payload
 from llsrbm.request.messages import FieldSpec, Number, field_specs
 from llsrbm.request.scenario import PushList, Scenario, parse_push
+from llsrbm.request.stones import StoneList, parse_stone
 from llsrbm.request.tuning import Tuning
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ _PARAMETERS = {"solver": "qp_solver", "drives": "ideal_drives"}  # `--solver` is
 _FLAGS = {
     "half_board": "--half-board/--whole-board",
     "pushes": "--push",
+    "stones": "--stone",
     "drives": "--ideal-drives/--true-drives",
 }
 _SWITCHED = {"drives": ("true", "ideal")}  # names that a flag chooses between: off, on
@@ -194,6 +196,10 @@ def in_words(jump: Jump) -> str:
         words.append(f"arms {jump.arms}")
     if jump.payload:
         words.append(f"payload {decimal(jump.payload[0], 2)} kg")
+    words += [
+        f"{leg} {', '.join(decimal(each, 3) for each in place)} m aside"
+        for leg, *place in jump.stones
+    ]
     return f"{jump.robot}, {jump.model}: {', '.join(words)}"
 
 
@@ -228,6 +234,8 @@ def _in_library_units(field: str, spec: FieldSpec, value: Any) -> Any:
         return _SWITCHED[field][value]
     if isinstance(spec, PushList):
         return tuple(map(parse_push, value))
+    if isinstance(spec, StoneList):
+        return tuple(map(parse_stone, value))
     if isinstance(spec, Load):
         return parse_payload(value)
     return math.radians(value) if isinstance(spec, Number) and spec.unit == "rad" else value
@@ -240,7 +248,7 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
         spec, default, annotation = specs[field.name], field.default, types[field.name]
         accepted = f" ({spec.accepted})" if spec.accepted else ""
         shown: bool | str = True
-        if isinstance(spec, PushList):
+        if isinstance(spec, PushList | StoneList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
         elif isinstance(spec, Load):
             default, annotation = None, str | None

@@ -9,7 +9,16 @@ from pathlib import Path
 from typing import Annotated, Any, NotRequired, TypeVar
 
 import numpy as np
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    ValidationError,
+    field_validator,
+)
 from typing_extensions import TypedDict  # of `typing` before 3.12 it is too little for pydantic
 
 from llsrbm.errors import Error, FileFormatError, InputError, printable
@@ -17,6 +26,7 @@ from llsrbm.files.npz import LARGEST_NUMBER, Arrays, text
 from llsrbm.files.quantity import Kind, Quantity
 from llsrbm.installed import package_version
 from llsrbm.request.jump import Jump
+from llsrbm.request.stones import stone_rows
 
 _SAME_INSTANT = 1e-9  # s
 _LONGEST = 100.0  # s; jumps take two
@@ -83,13 +93,19 @@ class _RobotNumbers(BaseModel):
     limits: _RobotLimits | None = None
 
 
+def _with_rows(request: Any) -> Any:
+    if not isinstance(request, Mapping) or "stones" not in request:
+        return request
+    return {**request, "stones": stone_rows(request["stones"])}
+
+
 class Meta(BaseModel):
     """The JSON at `meta`: where the arrays come from."""
 
     # JSON has no NaN, which the cost of a plan that did not converge may be.
     model_config = ConfigDict(ser_json_inf_nan="strings")
 
-    request: Jump
+    request: Annotated[Jump, BeforeValidator(_with_rows), PlainSerializer(Jump.as_dict)]
     model: str
     robot_parameters: dict[str, Any]
     package_version: str = Field(default_factory=package_version)

@@ -64,7 +64,7 @@ def _title(trajectory: Trajectory) -> str:
 
 def _request(jump: Jump) -> str:
     plain = Jump().as_dict()
-    stated = {n: v for n, v in jump.as_dict().items() if v != plain[n] and n != "robot"}
+    stated = {n: v for n, v in jump.as_dict().items() if v != plain.get(n) and n != "robot"}
     words = (f"{n} {v:.4g}" if isinstance(v, float) else f"{n} {v}" for n, v in stated.items())
     return ", ".join(words) or "a jump on the spot"
 

@@ -302,6 +302,7 @@ class Plan(OfRobot):
                 layout = {key: each for key, each in layout.items() if key not in optional}
         values: dict[str, Any] = checked(arrays, layout, path)
         _check(values, meta.schedule, path)
+        _check_stones(meta.request, meta.schedule, path)
         values["base_mass"] = float(values["base_mass"])
         values["joint_names"] = tuple(str(name) for name in values["joint_names"])
         solution = None
@@ -380,6 +381,16 @@ def _check(values: Arrays, schedule: Schedule, path: str | Path) -> None:
     steps = np.diff(phase[:-1], prepend=-1)
     if not np.isin(steps, (0, 1)).all() or steps[0] != 1 or (phase[-2:] != last).any():
         check_phases(phase, schedule.names, path, ", each of them with an interval, in that order")
+
+
+def _check_stones(jump: Jump, schedule: Schedule, path: str | Path) -> None:
+    """Raise `FileFormatError` unless the request's stones are of legs that land."""
+    for leg in (stone.leg for stone in jump.stones):
+        if leg not in schedule.legs:
+            raise FileFormatError(
+                f'{path}: key "meta": stones: no leg "{printable(leg)}"; expected some of '
+                f"{printable(', '.join(schedule.legs), 100)}"
+            )
 
 
 def _check_refined(values: Arrays, path: str | Path) -> None:

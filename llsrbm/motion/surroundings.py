@@ -1,7 +1,7 @@
 """Surroundings of the robot: the ground, what it jumps from, over or onto, and a board.
 
 The lowest place is on the ground, every other on a block: the start on one called "block", a
-landing on a "box". A block stands from the start, as large as the feet of the lower places, the
+landing on a "box", a foot that lands higher than the others on a "stone". A block stands from the start, as large as the feet of the lower places, the
 planned trunk and the legs leave room for. Where there is no room for one under all feet of its
 place, it comes in mid-flight, or goes then if it is the start's: `Surroundings.in_mid_flight` says
 so. A board is slid onto the last landing surface in mid-flight.
@@ -13,7 +13,7 @@ is deep. A robot that touches a hurdle has not jumped over it.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import coal
@@ -38,6 +38,7 @@ MARGIN = 0.25  # m of landing box or start block around the feet: a robot may mi
 # the middle, or so far that a trunk leaning over it before lift-off has room.
 EDGES = (0.5, 0.8)
 TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
+STEP = 0.04  # m of a stone around its foot, where other feet of its place leave as much
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
 _DEEP, _WIDE = 1.0, 100.0  # m, of the block that stands for the ground
@@ -102,6 +103,7 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
                 number = f" {k}" if 0 < k < len(places) - 1 else ""
                 name = f"box{number}" if k else "block"
                 blocks.append(_standing(robot, plan, places, k, name, ground, radius))
+    blocks += _stones(robot, plan, places, radius)
     if scenario.board > 0:
         goal = last.seen(last.points)
         # As large as the box under all feet, where there is one.
@@ -162,6 +164,9 @@ def _places(plan: Plan) -> list[_Place]:
     corners = plan.contact_point.shape[1] // plan.foot_position.shape[1]
     contacts = plan.contact_point.reshape(len(plan.time), -1, corners, 3)
     points = [contacts[row[row >= 0], np.flatnonzero(row >= 0)].reshape(-1, 3) for row in knots]
+    for leg, _, _, dz in plan.jump.stones:
+        foot = schedule.legs.index(leg)
+        points[-1][foot * corners : (foot + 1) * corners, 2] -= dz
     if schedule.places == 1:  # to the digit
         height, heading = [0.0, plan.jump.height], [plan.jump.twist] * 2
     else:
@@ -215,6 +220,31 @@ def _standing(
         from_s=_mid_flight(plan, place) if k else 0.0,
         until_s=_highest(plan, places[k + 1].flight) if goes else math.inf,
     )
+
+
+def _stones(
+    robot: Robot, plan: Plan, places: Sequence[_Place], radius: float
+) -> Iterator[Block]:
+    """Blocks under single feet of the last place: from the start if the robot leaves them room."""
+    place, start, corners = places[-1], places[-2], len(robot.corners)
+    feet = place.seen(place.points).reshape(-1, corners, 2)
+    for leg, _, _, dz in plan.jump.stones:
+        if not dz:
+            continue
+        foot = plan.schedule.legs.index(leg)
+        own, others = feet[foot], np.delete(feet, foot, axis=0).reshape(-1, 2)
+        apart = np.abs(others[:, None] - own).max(axis=-1).min() / 2
+        footprint = _around(own, float(min(radius + STEP, apart)))
+        block = _block(place, f"stone {leg}", footprint, place.height, place.height + dz)
+        before, until_half_way = _beside(plan, places, len(places) - 1)
+        room = radius + ROOM
+        if (
+            _meet(place.seen(start.points), footprint.low - room, footprint.high + room)
+            or _trunk_inside(robot, plan, block)
+            or _links_inside(robot, plan, block, before | until_half_way)
+        ):
+            block = replace(block, from_s=_mid_flight(plan, place))
+        yield block
 
 
 def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:

@@ -77,7 +77,7 @@ def dump_design(design: Design) -> str:
 def _stated(jump: Jump) -> dict[str, Any]:
     """Robot, model and where to land, and of the rest what differs from the defaults."""
     table, plain = jump.as_dict(), Jump().as_dict()
-    return {n: value for n, value in table.items() if n in _ALWAYS or value != plain[n]}
+    return {n: value for n, value in table.items() if n in _ALWAYS or value != plain.get(n)}
 
 
 def load_design(source: bytes | str | Path, *, name: str = "design") -> Design:

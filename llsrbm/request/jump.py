@@ -19,6 +19,7 @@ from llsrbm.request.messages import (
     choices,
     field_specs,
 )
+from llsrbm.request.stones import STONE, Stone, StoneList, by_leg
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
 """Fields of a `Jump` that are numbers."""
@@ -126,6 +127,14 @@ class Jump:
             PAYLOAD,
         ),
     ] = ()
+    stones: Annotated[
+        tuple[Stone, ...],
+        StoneList(
+            "Landing place of one leg's foot, m beside where it lands by itself: ahead, to the "
+            "left and above, as the robot looks that lands",
+            STONE,
+        ),
+    ] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -145,8 +154,9 @@ class Jump:
         return bool(self.roll or self.pitch)
 
     def as_dict(self) -> dict[str, Any]:
-        """The request as plain data, for files and messages."""
-        return asdict(self) | {"payload": list(self.payload)}
+        """The request as plain data, for files and messages; `stones` where there are some."""
+        found = asdict(self) | {"payload": list(self.payload), "stones": by_leg(self.stones)}
+        return found if self.stones else {n: value for n, value in found.items() if n != "stones"}
 
 
 def changes(wanted: Jump, found: Jump) -> str:

@@ -26,7 +26,7 @@ from llsrbm.request.messages import choices
 from llsrbm.robots import load_robot
 from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
-REQUEST = tuple(name for name in Jump.__dataclass_fields__ if name != "payload")
+REQUEST = tuple(n for n in Jump.__dataclass_fields__ if n not in ("payload", "stones"))
 """The fields of a jump that a sweep varies or states."""
 
 MOST_ROWS = 10**8

@@ -29,6 +29,7 @@ from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.rotations import quat_product
 from llsrbm.planning.problem.stage import Stage
+from llsrbm.planning.problem.stones import offsets
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import COMPONENTS
 
@@ -126,7 +127,8 @@ def elastic_sizes(layout: ElasticLayout) -> dict[str, int]:
     """Name -> number of scalars of the parameters that plain problems do not have."""
     n = len(COMPONENTS)
     each = n * layout.displacements
-    return {"asked": n, "reference": n, "scale": n, "penalty": 1, "fixed": each, "follows": each}
+    sizes = {"asked": n, "reference": n, "scale": n, "penalty": 1, "fixed": each, "follows": each}
+    return sizes | {"stones": 3 * layout.legs}
 
 
 def elastic_parameters(layout: ElasticLayout, task: Task) -> dict[str, Array]:
@@ -135,6 +137,7 @@ def elastic_parameters(layout: ElasticLayout, task: Task) -> dict[str, Array]:
     `asked`: the request's components. `reference`: those of the jump that the task's other numbers
     are of. `scale`: what a component changes by when a whole range is given up. `penalty`: of that.
     `fixed`, `follows`: of each displacement what the jump type says, and 1 where the request does.
+    `stones`: how far each foot lands beside its default in the last place.
     """
     own = task.robot.file.task
     whole = np.array([getattr(task.requested or task.jump, name) for name in COMPONENTS])
@@ -148,6 +151,7 @@ def elastic_parameters(layout: ElasticLayout, task: Task) -> dict[str, Array]:
         "penalty": np.ones(1),
         "fixed": np.array([[value or 0.0 for value in row] for row in given]),
         "follows": np.array([[float(value is None) for value in row] for row in given]),
+        "stones": offsets(task.jump.stones, task.robot),
     }
 
 
@@ -255,13 +259,21 @@ class ElasticStage(Stage):
     def _placed_in(self, poses: list[tuple[Any, Any]], places: tuple[int, ...]) -> Any:
         """(3, L) m: each foot in its place."""
         feet = ca.reshape(self.parameters["phase0_feet"], 3, -1)
-        return ca.horzcat(*(_at(poses[p], feet[:, leg]) for leg, p in enumerate(places)))
+        each = (feet[:, leg] + self._aside(leg, p) for leg, p in enumerate(places))
+        return ca.horzcat(*(_at(poses[p], foot) for p, foot in zip(places, each, strict=True)))
 
     def _contacts_in(self, poses: list[tuple[Any, Any]], places: tuple[int, ...]) -> Any:
         """(3, C) m: likewise of contact points."""
         points = ca.reshape(self.parameters["phase0_contacts"], 3, -1)
-        each = np.repeat(places, self.layout.corners)
-        return ca.horzcat(*(_at(poses[p], points[:, c]) for c, p in enumerate(each)))
+        each, corners = np.repeat(places, self.layout.corners), self.layout.corners
+        found = (_at(poses[p], points[:, c] + self._aside(c // corners, p)) for c, p in enumerate(each))
+        return ca.horzcat(*found)
+
+    def _aside(self, leg: int, place: int) -> Any:
+        """(3, 1) m: how far a foot lands beside its default in a place."""
+        if place < self.layout.displacements:
+            return ca.SX.zeros(3)
+        return self.parameters["stones"][3 * leg : 3 * leg + 3]
 
     def _edge(self, leg: int, poses: list[tuple[Any, Any]], towards: Any) -> tuple[Any, Any]:
         """m along a leg's direction: where its foot is to be before the edge, and beyond it.

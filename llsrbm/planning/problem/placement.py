@@ -15,6 +15,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
+from llsrbm.planning.problem.stones import check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import JumpType, load_type
@@ -44,7 +45,7 @@ def make_task(
 
     Raises:
         InputError: a value outside of the robot file's [task], a weight or a limit that is none, a
-            jump type that is none or not for this robot.
+            jump type that is none or not for this robot, a foot where its leg does not reach.
     """
     ranges = robot.file.for_jump(turns=jump.turns).task
     for name in ("twist", "forward", "lateral", "height"):
@@ -76,6 +77,7 @@ def make_task(
     if limits:
         check_limits(limits, own, robot.name)
     task = place_task(jump, robot, Tuning(weights or {}, limits or {}))
+    check_stones(task)
     check_footing(task)
     return task
 
@@ -118,7 +120,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     """Place the request in the world; its numbers are not checked.
 
     Raises:
-        InputError: a jump type that is none, or not for this robot.
+        InputError: a jump type that is none, or not for this robot, or a stone of no leg of it.
     """
     tuning = tuning or Tuning()
     if jump.turns:
@@ -158,7 +160,10 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
 
 
 def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footholds, ...]:
-    """Where the feet stand after each displacement; each along the heading after the one before."""
+    """Where the feet stand after each displacement; each along the heading after the one before.
+
+    The request's stones are of the last one, at which every foot lands.
+    """
     if kind.displacement and len(kind.displacement) != count:
         raise InputError(
             f'jump type "{kind.title}": {len(kind.displacement)} displacements for {count} '
@@ -178,7 +183,10 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
         step = [moved("forward"), moved("lateral"), moved("height")]
         shift = shift + turns_about_z(heading) @ step
         heading += moved("twist")
-        feet = robot.feet @ turns_about_z(heading).T + shift
+        stance = robot.feet
+        if jump.stones and k == count - 1:
+            stance = stance + offsets(jump.stones, robot)
+        feet = stance @ turns_about_z(heading).T + shift
         places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift))
     return tuple(places)
 

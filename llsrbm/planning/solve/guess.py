@@ -297,6 +297,8 @@ def _flying_foot(
     turned = turns_about_z(s * (goal.heading - start.heading))
     carried = np.einsum("kij,lj->kli", turned, stood.feet - start.origin) + start.origin
     carried[..., :2] += s[:, None, None] * shift[:2]
+    if task.jump.stones:
+        carried[..., :2] += s[:, None, None] * (lands.feet - carried[-1])[:, :2]
     arch = (4 * s * (1 - s)) ** 2 * task.limits.clearance * 1.3
     line = ground_line(stood.feet[:, 2], lands.feet[:, 2], s[:, None])
     carried[..., 2] = line + arch[:, None]

@@ -34,6 +34,7 @@ from llsrbm.installed import assets_directory
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.messages import field_specs
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
@@ -127,7 +128,7 @@ def fits(jump: Jump, tuning: Tuning) -> bool:
     plain = Jump(robot=jump.robot)
     same = all(
         getattr(jump, name) == getattr(plain, name)
-        for name in plain.as_dict()
+        for name in field_specs(Jump)
         if name not in COMPONENTS
     )
     return same and not tuning.weights and not tuning.limits
@@ -135,7 +136,7 @@ def fits(jump: Jump, tuning: Tuning) -> bool:
 
 def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned | None:
     """The table that may have jumps like this one, read when it is first wanted."""
-    return _table(robot, grid) if fits(jump, tuning) else None
+    return _table(robot, grid) if fits(replace(jump, stones=()), tuning) else None
 
 
 def _table(robot: Robot, grid: Grid) -> Learned | None:

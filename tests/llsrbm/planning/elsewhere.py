@@ -16,6 +16,8 @@ from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.replan.under_way import State
+from llsrbm.request.jump import Jump
+from llsrbm.request.stones import Stone
 from llsrbm.robots.robot import Robot
 
 _VECTORS = {"position", "velocity", "force", "force_step", "next_force", SHIFT}
@@ -58,7 +60,12 @@ class Elsewhere:
     def task(self, task: Task) -> Task:
         """One without an obstacle; of the mirror image the mirrored request's."""
         if self.mirrored:
-            jump = replace(task.jump, twist=-task.jump.twist, lateral=-task.jump.lateral)
+            jump = replace(
+                task.jump,
+                twist=-task.jump.twist,
+                lateral=-task.jump.lateral,
+                stones=mirrored_stones(task.jump, task.robot),
+            )
             task = make_task(jump, task.robot, task.tuning.weights, task.tuning.limits)
             return replace(self, mirrored=False).task(task)
         soles = self.heading * (not task.foot.is_point)
@@ -162,6 +169,14 @@ class Elsewhere:
         if name == "quat":
             return self.quats(values)
         return values.ravel()
+
+
+def mirrored_stones(jump: Jump, robot: Robot) -> tuple[Stone, ...]:
+    """The stones of a jump's mirror image."""
+    names, other = robot.leg_names, other_side(robot)
+    return tuple(
+        Stone(names[other[names.index(leg)]], dx, -dy, dz) for leg, dx, dy, dz in jump.stones
+    )
 
 
 def other_side(robot: Robot) -> list[int]:

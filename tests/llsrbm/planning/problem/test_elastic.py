@@ -59,7 +59,12 @@ def jump_of(name, kind, share_of_range):
         c: abs(s) * getattr(own, c)[int(s > 0)]
         for c, s in zip(COMPONENTS, share_of_range, strict=True)
     }
-    return Jump(robot=name, type=kind, hops=jump.hops, **values)
+    return Jump(robot=name, type=kind, hops=jump.hops, stones=stones_of(robot), **values)
+
+
+def stones_of(robot):
+    """The first foot aside and up."""
+    return ((robot.leg_names[0], 0.03, 0.02, 0.015),)
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)
@@ -72,6 +77,7 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
         robot=name,
         type=kind,
         hops=request.hops,
+        stones=request.stones,
         **{c: s * getattr(request, c) for c, s in zip(COMPONENTS, less, strict=True)},
     )
     reference, task = make_task(request, robot), make_task(done, robot)

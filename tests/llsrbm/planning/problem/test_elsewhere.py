@@ -37,6 +37,9 @@ HEADINGS = [*np.radians([17.0, 45.0, 60.0, 133.0]), *np.random.default_rng(0).un
 OF_WORLD_AXES = "friction_pyramid"
 JUMPS = {
     "anymal": Jump(robot="anymal", twist=0.5, forward=0.2, lateral=0.1, height=0.1),
+    "a foot aside": Jump(
+        robot="go2", twist=0.5, forward=0.2, stones=(("FL", 0.06, 0.04, 0.03), ("RR", -0.02, 0.01))
+    ),
     "slider": Jump(robot="slider", twist=0.5, forward=0.2, height=0.1),
     "one side first": Jump(robot="anymal", type="one-foot-first", twist=0.5, forward=0.1),
     "flip": Jump(robot="go2", type="flip", pitch=2 * np.pi, twist=0.4, forward=0.1),
@@ -158,7 +161,7 @@ def assert_alike(of, there, skip=(), tolerance=1e-8):
 
 
 @pytest.mark.parametrize("under_way", [False, True], ids=["from rest", "under way"])
-@pytest.mark.parametrize("name", ["anymal", "slider", "one side first"])
+@pytest.mark.parametrize("name", ["anymal", "a foot aside", "slider", "one side first"])
 def test_the_world_may_be_turned_and_moved(name, under_way):
     of = stages(name, under_way)
     for heading in HEADINGS:
@@ -168,9 +171,10 @@ def test_the_world_may_be_turned_and_moved(name, under_way):
     assert ("final_place" in seen) == under_way
 
 
-def test_left_and_right_may_change_places():
-    """But for what little by which the sides of ANYmal's file differ."""
-    assert_alike(stages("anymal", False), Elsewhere(mirrored=True), tolerance=ALMOST)
+@pytest.mark.parametrize("name", ["anymal", "a foot aside"])
+def test_left_and_right_may_change_places(name):
+    """But for what little by which the sides of the robots' files differ."""
+    assert_alike(stages(name, False), Elsewhere(mirrored=True), tolerance=ALMOST)
 
 
 @pytest.mark.parametrize("name", ["anymal", "slider", "flip"])
