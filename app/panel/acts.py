@@ -87,6 +87,9 @@ class Act(Enum):
     RESET_TUNING = Button(
         "limits", "Reset all", "Restore the defaults of the robot and the jump type"
     )
+    RESET_FOOTHOLDS = Button(
+        "footholds", "Reset footholds", "Have every foot land where it does by itself"
+    )
     ADD_CHART = Button(
         "add chart",
         "Add chart",

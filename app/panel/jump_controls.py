@@ -12,6 +12,7 @@ import viser
 from app.panel import type_picture
 from app.panel.acts import Act, Put
 from app.panel.fields import Ends, Field, Fields, switch
+from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
     extra_fields,
     title_of_type,
@@ -136,6 +137,7 @@ class JumpControls:
         self._fields = Fields(gui, jump, self._about(jump), acted, Act.JUMP)
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
+        self.footholds = FootholdControls(gui, jump, acted)
         self._fields.add(TURN, *SLIDERS)
 
     def add_model(self) -> None:
@@ -164,7 +166,7 @@ class JumpControls:
     @property
     def hints(self) -> dict[str, str]:
         """As `Fields.hints`."""
-        return {**self._fields.hints, **self.whole_body.hints}
+        return {**self._fields.hints, **self.whole_body.hints, **self.footholds.hints}
 
     @property
     def model(self) -> Any:
@@ -178,7 +180,9 @@ class JumpControls:
 
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request with what was moved, and what had to be corrected."""
-        return self._fields.read(current, self._about(current))
+        jump, complaints = self._fields.read(current, self._about(current))
+        jump, others = self.footholds.read(jump)
+        return jump, [*complaints, *others]
 
     def show(self, jump: Jump, robot: Robot | None) -> None:
         """Put the controls where a request has them; the types and the picture, of its robot."""
@@ -186,6 +190,7 @@ class JumpControls:
             self._types_of, self._types = robot, types_offered(robot)
             self._heaviest = round(HEAVIEST * robot.mass - 0.05, 1)  # never beyond
         self._fields.show(jump, self._about(jump))
+        self.footholds.show(jump, robot)
         drawn_of = (robot, jump.type, jump.hops, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
             self._drawn_of = drawn_of

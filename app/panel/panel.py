@@ -101,6 +101,8 @@ class Panel:
             self.files.add_tab()
         with tabs.add_tab("More"):
             self.jump.add_whole_body()
+            with gui.add_folder("Footholds", expand_by_default=False):
+                self.buttons |= self.jump.footholds.add()
             with gui.add_folder("Limits", expand_by_default=False):
                 self.jump.add_payload()
                 self.tuning = TuningControls(gui, put)

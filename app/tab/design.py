@@ -13,6 +13,7 @@ from app.panel.acts import Act
 from app.panel.jump_types import with_type
 from app.panel.tuning import entries_of
 from app.panel.view_controls import View
+from app.picture.foothold_handles import FootholdDragged
 from app.picture.landing_handle import LandingDragged
 from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
 from app.tab.effects import Notify, Share, ShowGallery, ShowTuning
@@ -55,7 +56,7 @@ def _alike(one: Jump, other: Jump) -> bool:
 
 def _on_another_robot(jump: Jump, state: TabState) -> Jump:
     """The robot's example; of another type than the examples are, the same request of it."""
-    file, jump = state.robots[jump.robot], replace(jump, payload=())
+    file, jump = state.robots[jump.robot], replace(jump, payload=(), stones=())
     if not file.arms:
         jump = replace(jump, arms=Jump.arms)
     if jump.type == jump_types.DEFAULT:
@@ -70,6 +71,22 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
 def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
     """Plan a jump to where the landing handle was dragged."""
     return choose_jump(state, dragged.applied_to(state.design.jump, state.file.task))
+
+
+@on(FootholdDragged)
+def drag_foothold(state: TabState, dragged: FootholdDragged) -> Step:
+    """Plan a jump whose foot lands where its handle was dragged; one drag is one step back."""
+    if state.robot is None or not state.ready:
+        return state, ()
+    if dragged.begins:
+        state = replace(state, history=replace(state.history, changing=()))
+    return choose_jump(state, dragged.applied_to(state.design.jump, state.robot))
+
+
+@on(Act.RESET_FOOTHOLDS, enabled=lambda state: bool(state.design.jump.stones))
+def reset_footholds(state: TabState) -> Step:
+    """Have every foot land where it does by itself."""
+    return choose_jump(state, replace(state.design.jump, stones=()))
 
 
 @on(Tuning)

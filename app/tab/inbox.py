@@ -10,6 +10,7 @@ from typing import Any
 
 from app.link import ApexDragged, PageReady, PhasesDragged, PushDragged
 from app.panel.acts import Act, Button
+from app.picture.foothold_handles import FootholdMoved
 from app.picture.landing_handle import HandleMoved
 
 
@@ -85,6 +86,8 @@ def _outdated(before: Any, after: Any) -> bool:
             return before is after and not isinstance(before.value, Button)
         case HandleMoved(), HandleMoved():
             return True
+        case FootholdMoved(foot=foot, begins=begins), FootholdMoved(foot=other):
+            return foot == other and not begins and before.held
         case PushDragged(ended=ended), PushDragged():
             return not ended
         case (PhasesDragged(), PhasesDragged(begins=begins)) | (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import viser
@@ -15,6 +16,7 @@ from app.panel.comparison import Column
 from app.panel.panel import Panel
 from app.panel.view_controls import configure_theme
 from app.picture.drawing import Meaning
+from app.picture.foothold_handles import FootholdHandles
 from app.picture.landing_handle import LandingHandle
 from app.picture.overlays import OVERLAYS
 from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
@@ -75,7 +77,10 @@ class Rendering:
         self._plots = Plots(client, self.panel.plots.watched)
         self._scene = Scene(client)
         self.handle = LandingHandle(client, put)  # where to land, in the picture
-        link.call("handles.paint", LandingHandle.node, colours.TARGET)
+        paint = partial(link.call, "handles.paint")
+        paint(LandingHandle.node, colours.TARGET)
+        # and where single feet land
+        self.footholds = FootholdHandles(client, put, lambda node: paint(node, colours.TARGET))
         self._push = PushHandle(client)
         self._drawn: TabState | None = None
         self._layers: tuple[Layer, ...] = ()
@@ -175,6 +180,7 @@ class Rendering:
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in picture.layers and state.shown is not None
         appears = self.handle.draw(state.design.jump, robot, visible=visible)
+        appears |= self.footholds.draw(state.design.jump, robot, visible=visible)
         if self._push.draw(None if picture.row else push_shown(state)) or appears:
             self._link.call("player.settle")
 

@@ -23,6 +23,7 @@ import viser
 from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
+from app.picture.foothold_handles import FootholdMoved
 from app.picture.landing_handle import HandleMoved
 from app.tab.acts import Step, event_of, update
 from app.tab.atlas import Atlases
@@ -252,6 +253,8 @@ class Session:
                 return event_of(item, self.state, self._rendering.panel)
             case HandleMoved():
                 return self._rendering.handle.read(item)
+            case FootholdMoved():
+                return self._rendering.footholds.read(item)
             case ClipTaken():
                 self._outside.link.take(item)
                 return None
