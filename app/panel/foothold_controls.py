@@ -48,6 +48,7 @@ def _number(label: str, hint: str, axis: int, ends: tuple[float, float]) -> Fiel
         get=lambda chosen: _MM * chosen.place[axis],
         put=lambda chosen, shown: chosen.moved(axis, shown),
         ends=ends,
+        there=lambda chosen: bool(chosen.leg),
     )
 
 

@@ -93,9 +93,10 @@ class FootholdHandles:
 
         Returns whether some have just appeared: a page makes them anew then.
         """
+        shown = 0
         if visible and target is not None and robot is not None:
             self._put_at(target, robot)
-        shown = len(robot.legs) if visible and robot is not None and self._drawn else 0
+            shown = 0 if self._drawn is None else len(robot.legs)
         appear = any(not handle.visible for handle in self._handles[:shown])
         for foot, handle in enumerate(self._handles):
             handle.visible = foot < shown

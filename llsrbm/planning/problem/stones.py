@@ -13,7 +13,7 @@ from llsrbm.errors import InputError
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import Jump
 from llsrbm.request.messages import choices
-from llsrbm.request.stones import Stone
+from llsrbm.request.stones import FARTHEST, Stone
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Reach
 
@@ -57,9 +57,10 @@ def within_reach(jump: Jump, stone: Stone, robot: Robot) -> Jump:
     Whole millimetres. The other feet's stones stay.
     """
     others = [each for each in jump.stones if each.leg != stone.leg]
+    whole = min(1.0, FARTHEST / max(*map(abs, stone[1:]), FARTHEST))
 
     def at(share: float) -> Jump:
-        place = [round(share * each, 3) for each in stone[1:]]
+        place = [round(share * whole * each, 3) for each in stone[1:]]
         return replace(jump, stones=(*others, Stone(stone.leg, *place)))
 
     def stands(one: Jump) -> bool:
@@ -93,10 +94,10 @@ def _why_not(stones: Sequence[Stone], robot: Robot, reach: Reach, apart: float) 
             x, y, z = lands[leg]
             ends = [f"{a:g} to {b:g}" for a, b in zip(reach.lower, reach.upper, strict=True)]
             return (
-                f"{robot.leg_names[leg]} would stand {length:.3f} m from its hip, {x:.3f} m ahead, "
-                f"{y:.3f} m outwards and {z:.3f} m up; expected {reach.distance[0]:g} to "
-                f"{reach.distance[1]:g} m, {ends[0]} m ahead, {ends[1]} m outwards, {ends[2]} m "
-                f"up, the reach of {robot.name}"
+                f"{robot.leg_names[leg]} would stand {length:.3f} m from its hip, ({x:.3f}, "
+                f"{y:.3f}, {z:.3f}) m in its leg's frame; expected {reach.distance[0]:g} to "
+                f"{reach.distance[1]:g} m, and ({', '.join(ends)}) m, as far as legs of "
+                f"{robot.name} reach"
             )
     feet = robot.feet[:, :2] + aside[:, :2]
     for i, j in combinations(range(len(feet)), 2):

@@ -63,8 +63,8 @@ def jump_of(name, kind, share_of_range):
 
 
 def stones_of(robot):
-    """The first foot aside and up."""
-    return ((robot.leg_names[0], 0.03, 0.02, 0.015),)
+    """The first foot aside; above the others it may rise where the robot goes down, and not then."""
+    return ((robot.leg_names[0], 0.03, 0.02),)
 
 
 @pytest.mark.parametrize(("name", "kind"), CASES)
