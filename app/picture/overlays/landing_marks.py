@@ -28,14 +28,15 @@ class LandingMarks(Overlay):
     """A disc for a point foot, and a sole's outline turned as the sole shall be, at every landing.
 
     Steps and hurdles are translucent blocks, as long as no simulation has blocks of its own. The
-    landing handle, drawn by `app.picture.landing_handle`, is shown and hidden with the marks.
+    landing handle and those of single feet (`app.picture.landing_handle`, `foothold_handles`) are
+    shown and hidden with the marks.
     """
 
     name = "landing"
     root = "/target"
     group = Group.FOOTHOLDS
     title = "Landing handle"
-    hint = "Target footholds; drag the arrows or the ring to move the landing."
+    hint = "Target footholds; drag arrows or ring to move the landing, a foot's square for it alone."
     place = 60
     tints = (colours.TARGET,)
     at_first = True

@@ -135,7 +135,10 @@ def fits(jump: Jump, tuning: Tuning) -> bool:
 
 
 def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned | None:
-    """The table that may have jumps like this one, read when it is first wanted."""
+    """The table that may have jumps like this one, read when it is first wanted.
+
+    A jump with stones begins from the same one without; where the feet land is in its own rows.
+    """
     return _table(robot, grid) if fits(replace(jump, stones=()), tuning) else None
 
 

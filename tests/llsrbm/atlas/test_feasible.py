@@ -84,6 +84,7 @@ def test_a_plan_counts_around_it_and_nowhere_else(anymal):
     [
         ({"type": "hops", "hops": 2}, {}, "type of jump"),
         ({"model": "srbm"}, {}, "this model"),
+        ({"stones": {"LF": (0.05, 0.0)}}, {}, "with feet landing elsewhere"),
         ({}, {"reach_max": 0.5}, "another reach max"),
     ],
 )

@@ -50,6 +50,10 @@ def test_options_become_a_request_in_radians(planner, capsys):
         ("--speed 0.25", llsrbm.Jump(speed=0.25)),
         ("--arms held", llsrbm.Jump(arms="held")),
         ("--arms free", llsrbm.Jump()),
+        (
+            "--stone LF,0.04,0.02 --stone RH,-0.02,0,0.03",
+            llsrbm.Jump(stones={"LF": (0.04, 0.02), "RH": (-0.02, 0.0, 0.03)}),
+        ),
     ],
 )
 def test_a_silent_request_is_the_types(planner, words, jump):

@@ -11,6 +11,7 @@ from llsrbm.errors import Error, InputError
 from llsrbm.files.quantity import quantities
 from llsrbm.motion.plan import OPTIONAL, Plan, load_plan
 from llsrbm.motion.trajectory import load
+from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import together
 from tests.llsrbm.native_files import message, rewritten
@@ -214,6 +215,15 @@ class TestReading:
         said_of_it = message(with_meta(saved, tmp_path / "x.npz", schedule=schedule))
         assert 'key "meta": schedule: ' in said_of_it
         assert said in said_of_it
+
+
+    def test_stones_are_of_legs_that_land(self, saved, tmp_path):
+        request = {"robot": "anymal", "stones": {"LF": [0.04, 0.02, 0.0]}}
+        path = with_meta(saved, tmp_path / "x.npz", request=request)
+        assert load_plan(path).jump == Jump(stones={"LF": (0.04, 0.02)})
+        request["stones"] = {"FL": [0.04, 0.02, 0.0]}
+        said = message(with_meta(saved, tmp_path / "y.npz", request=request))
+        assert 'key "meta": stones: no leg "FL"; expected some of LF, RF, LH, RH' in said
 
 
 class TestWriting:

@@ -109,6 +109,8 @@ def test_a_table_is_of_the_default_model_type_and_limits(table, monkeypatch):
     assert found() is table
     for other in ({"model": "srbm"}, {"type": "one-foot-first"}, {"payload": (1.0, 0, 0, 0)}):
         assert found(replace(plain, **other)) is None
+    # One with single feet elsewhere begins from the same jump without.
+    assert found(replace(plain, stones={"FL": (0.03, 0.0)})) is table
     assert found(limits={"torque_share": 0.8}) is None
     assert found(weights={"angular_momentum": 2.0}) is None
 
