@@ -1,10 +1,11 @@
 """Surroundings of the robot: the ground, what it jumps from, over or onto, and a board.
 
 The lowest place is on the ground, every other on a block: the start on one called "block", a
-landing on a "box", a foot that lands higher than the others on a "stone". A block stands from the start, as large as the feet of the lower places, the
-planned trunk and the legs leave room for. Where there is no room for one under all feet of its
-place, it comes in mid-flight, or goes then if it is the start's: `Surroundings.in_mid_flight` says
-so. A board is slid onto the last landing surface in mid-flight.
+landing on a "box", a foot that lands higher than the others on a "stone". A block stands from the
+start, as large as the feet of the lower places, the planned trunk and the legs leave room for.
+Where there is no room for one under all feet of its place, it comes in mid-flight, or goes then if
+it is the start's: `Surroundings.in_mid_flight` says so. A board is slid onto the last landing
+surface in mid-flight.
 
 A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far below them as the gap
 is deep. A robot that touches a hurdle has not jumped over it.
@@ -222,9 +223,7 @@ def _standing(
     )
 
 
-def _stones(
-    robot: Robot, plan: Plan, places: Sequence[_Place], radius: float
-) -> Iterator[Block]:
+def _stones(robot: Robot, plan: Plan, places: Sequence[_Place], radius: float) -> Iterator[Block]:
     """Blocks under single feet of the last place: from the start if the robot leaves them room."""
     place, start, corners = places[-1], places[-2], len(robot.corners)
     feet = place.seen(place.points).reshape(-1, corners, 2)

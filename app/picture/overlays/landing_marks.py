@@ -36,7 +36,9 @@ class LandingMarks(Overlay):
     root = "/target"
     group = Group.FOOTHOLDS
     title = "Landing handle"
-    hint = "Target footholds; drag arrows or ring to move the landing, a foot's square for it alone."
+    hint = (
+        "Target footholds; drag arrows or ring to move the landing, a foot's square for it alone."
+    )
     place = 60
     tints = (colours.TARGET,)
     at_first = True

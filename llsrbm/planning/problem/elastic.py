@@ -266,7 +266,9 @@ class ElasticStage(Stage):
         """(3, C) m: likewise of contact points."""
         points = ca.reshape(self.parameters["phase0_contacts"], 3, -1)
         each, corners = np.repeat(places, self.layout.corners), self.layout.corners
-        found = (_at(poses[p], points[:, c] + self._aside(c // corners, p)) for c, p in enumerate(each))
+        found = (
+            _at(poses[p], points[:, c] + self._aside(c // corners, p)) for c, p in enumerate(each)
+        )
         return ca.horzcat(*found)
 
     def _aside(self, leg: int, place: int) -> Any:

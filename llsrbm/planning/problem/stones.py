@@ -33,9 +33,7 @@ def offsets(stones: Sequence[Stone], robot: Robot) -> Array:
     names = robot.leg_names
     for leg, *place in stones:
         if leg not in names:
-            raise InputError(
-                f'stones: {robot.name} has no leg "{leg}"; {choices(leg, names)}'
-            )
+            raise InputError(f'stones: {robot.name} has no leg "{leg}"; {choices(leg, names)}')
         aside[names.index(leg)] = place
     return aside
 

@@ -216,7 +216,6 @@ class TestReading:
         assert 'key "meta": schedule: ' in said_of_it
         assert said in said_of_it
 
-
     def test_stones_are_of_legs_that_land(self, saved, tmp_path):
         request = {"robot": "anymal", "stones": {"LF": [0.04, 0.02, 0.0]}}
         path = with_meta(saved, tmp_path / "x.npz", request=request)

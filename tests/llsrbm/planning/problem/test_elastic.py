@@ -63,7 +63,7 @@ def jump_of(name, kind, share_of_range):
 
 
 def stones_of(robot):
-    """The first foot aside; above the others it may rise where the robot goes down, and not then."""
+    """The first foot aside, not above the others: it might rise where the robot goes down."""
     return ((robot.leg_names[0], 0.03, 0.02),)
 
 
