@@ -121,7 +121,8 @@ class FootholdHandles:
         corners = place.feet - turns_about_z(place.heading) @ self._corner
         for foot, (handle, at) in enumerate(zip(self._handles, corners, strict=False)):
             if foot != self._held:
-                handle.position = tuple(map(float, at))
+                x, y, z = map(float, at)
+                handle.position = (x, y, z)
                 handle.wxyz = (math.cos(half), 0.0, 0.0, math.sin(half))
 
     @property

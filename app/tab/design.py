@@ -76,11 +76,12 @@ def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
 @on(FootholdDragged)
 def drag_foothold(state: TabState, dragged: FootholdDragged) -> Step:
     """Plan a jump whose foot lands where its handle was dragged; one drag is one step back."""
-    if state.robot is None or not state.ready:
+    robot = state.robot
+    if robot is None or not state.ready:
         return state, ()
     if dragged.begins:
         state = replace(state, history=replace(state.history, changing=()))
-    return choose_jump(state, dragged.applied_to(state.design.jump, state.robot))
+    return choose_jump(state, dragged.applied_to(state.design.jump, robot))
 
 
 @on(Act.RESET_FOOTHOLDS, enabled=lambda state: bool(state.design.jump.stones))
