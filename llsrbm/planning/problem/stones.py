@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import Jump
@@ -16,8 +16,6 @@ from llsrbm.request.messages import choices
 from llsrbm.request.stones import FARTHEST, Stone
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import Reach
-
-Array = NDArray[np.float64]
 
 _HALVINGS = 12  # of the way to where a foot shall land: to less than a millimetre of a metre
 _SLACK = 1e-6  # m, of a robot's own posture that lies on a bound
