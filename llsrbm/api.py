@@ -5,24 +5,22 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.certificate import certified
+from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
-from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import PlanningProgress
-from llsrbm.planning.whole_body.refine import planned, refined
+from llsrbm.planning.whole_body.refine import planned
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import of_its_type
 from llsrbm.request.scenario import Scenario
@@ -30,8 +28,6 @@ from llsrbm.robots import load_robot
 from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
-
-FINER = 1.5  # times as many intervals where a certificate does not hold
 
 
 def plan(
@@ -87,11 +83,14 @@ def plan(
     # A request out of range builds no solver.
     robot = load_robot(jump.robot)
     task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
+    # Jumps nearby are tried before a draft is made, if there are some.
+    from_nearby = guesses and solver != solver_names()[0]
+    whole_body = CertifiedPlanner(guesses=from_nearby, cancelled=cancelled, progress=progress)
     if guesses and not draft and solver == solver_names()[0]:
         counts = layout_of(jump, robot, intervals).intervals
         drives = with_strength(robot)
         begun = planned(task, drives, counts, cancelled=cancelled, progress=progress)
-        if begun is not None and (whole := _checked(begun, cancelled, progress)).certified:
+        if begun is not None and (whole := whole_body.checked(begun)).certified:
             return whole
     bare = replace(jump, payload=())  # of the first stage, whose solvers have the robot's own mass
     planner, build_time = _timed_planner(bare, solver, intervals, cancelled, limits)
@@ -110,17 +109,11 @@ def plan(
     except NotConverged as error:
         nearest = error.nearest and _carrying(error.nearest, jump)
         if nearest is not None and not draft:
-            nearest = whole_body_plan(
-                nearest, guesses=guesses, cancelled=cancelled, progress=progress
-            )
+            nearest = replace(whole_body, guesses=guesses).plan(nearest)
         raise error.with_plans(_carrying(error.plan, jump), nearest) from None
     first = replace(first, report=replace(first.report, build_time_s=build_time))
     first = _carrying(first, jump)
-    if draft:
-        return first
-    # Jumps nearby were tried before, if there are some.
-    from_nearby = guesses and solver != solver_names()[0]
-    return whole_body_plan(first, guesses=from_nearby, cancelled=cancelled, progress=progress)
+    return first if draft else whole_body.plan(first)
 
 
 def _carrying(plan: Plan, jump: Jump) -> Plan:
@@ -139,45 +132,6 @@ def _alone(near: Plan, robot: Robot) -> Plan:
     carried = with_payload(robot, near.jump.payload).parameters()
     numbers = robot.parameters() if near.robot_parameters == carried else near.robot_parameters
     return replace(near, jump=replace(near.jump, payload=()), robot_parameters=numbers)
-
-
-def whole_body_plan(
-    draft: Plan,
-    *,
-    guesses: bool = True,
-    cancelled: Callable[[], bool] | None = None,
-    progress: Callable[[PlanningProgress], None] | None = None,
-) -> Plan:
-    """The whole body's plan of a draft that converged, with its certificate.
-
-    Where the certificate does not hold it is planned again with more intervals: of what holds at
-    their nodes less is missed between. Where no plan is found it is the draft, without a
-    certificate; its `refinement` says so. `guesses`: as for `plan`.
-
-    Raises:
-        Cancelled: `cancelled` was true.
-    """
-    how: dict[str, Any] = {"cancelled": cancelled, "progress": progress}
-    found = refined(draft, learned=guesses, **how)
-    if not found.refined or (found := _checked(found, **how)).certified:
-        return found
-    finer = refined(draft, learned=False, finer=FINER, **how)
-    finer = _checked(finer, **how) if finer.refined else finer
-    best, other = (finer, found) if finer.certified else (found, finer)
-    assert best.refinement is not None
-    assert other.refinement is not None
-    return replace(best, refinement=best.refinement.beside(other.refinement))
-
-
-def _checked(
-    plan: Plan,
-    cancelled: Callable[[], bool] | None,
-    progress: Callable[[PlanningProgress], None] | None,
-) -> Plan:
-    """A plan with its certificate."""
-    if progress is not None:
-        progress(PlanningProgress("checking the motion at 1 kHz"))
-    return interruptible(partial(certified, plan), cancelled)
 
 
 def _timed_planner(

@@ -90,7 +90,7 @@ class LibraryPlanner:
         self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
         """The whole body's plan from a plan, or that plan, which says that there was none."""
-        from llsrbm.api import whole_body_plan
+        from llsrbm.certified_plan import CertifiedPlanner
         from llsrbm.look.titles import title_of_robot
 
         solver = tasks.solver_of(task.plan.jump)
@@ -100,11 +100,10 @@ class LibraryPlanner:
                 "seconds, the first time"
             )
             self._refined.add(solver)
-        return whole_body_plan(
-            task.plan,
+        return CertifiedPlanner(
             progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
-        )
+        ).plan(task.plan)
 
     def simulate(
         self,

@@ -98,18 +98,12 @@ def plan_of(spec: Spec, point: Point) -> Plan:
 
     The whole body's with its certificate, unless drafts are asked for or none is found.
     """
-    from llsrbm.certificate import certified
-    from llsrbm.planning.whole_body.refine import refined, refiner_of
+    from llsrbm.certified_plan import CertifiedPlanner
 
     draft = _planner(point).plan(
         point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
     )
-    if spec.draft:
-        return draft
-    robot = _robot(point)
-    refiner_of(draft, robot).solver.settle()
-    plan = refined(draft, robot)
-    return certified(plan, robot) if plan.refined else plan
+    return draft if spec.draft else CertifiedPlanner(_robot(point), settles=True).plan(draft)
 
 
 def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollout:

@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 from functools import cache
-from threading import Event
 
 import pytest
 
 import llsrbm
-from llsrbm import api
+from llsrbm import api, certified_plan
 from llsrbm.analysis.wording import plan_rows
-from llsrbm.certificate import certify
-from llsrbm.errors import Cancelled, NotConverged
+from llsrbm.errors import NotConverged
 from llsrbm.motion.solve_report import Refinement
 
 JUMP = llsrbm.Jump(robot="go2", forward=0.2, twist=0.3)
@@ -49,7 +47,9 @@ def test_a_draft_is_the_first_stages_and_carries_no_certificate():
 
 def test_where_the_whole_bodys_plan_is_not_found_it_is_a_draft_that_says_so(monkeypatch):
     effort = Refinement("not-converged", 200, 2.0, 2.0, 0.0, 1.0)
-    monkeypatch.setattr(api, "refined", lambda first, **_: replace(first, refinement=effort))
+    monkeypatch.setattr(
+        certified_plan, "refined", lambda first, *_, **__: replace(first, refinement=effort)
+    )
     found = llsrbm.plan(JUMP, guesses=False)
     assert found.solved
     assert not found.certified
@@ -69,35 +69,3 @@ def test_the_nearest_jumps_plan_is_likewise(monkeypatch, as_draft):
         llsrbm.plan(JUMP, draft=as_draft, guesses=False)
     assert caught.value.reason == "its knees"
     assert caught.value.nearest.certified is not as_draft
-
-
-def test_a_plan_that_is_cancelled_while_it_is_checked_is_none(monkeypatch):
-    found, begun, release = plan(), Event(), Event()
-    monkeypatch.setattr(api, "refined", lambda *_, **__: found)
-    monkeypatch.setattr(api, "certified", lambda _: begun.set() or release.wait(30))
-    with pytest.raises(Cancelled):
-        api.whole_body_plan(draft(), cancelled=begun.is_set)
-    release.set()
-
-
-@pytest.mark.parametrize("holds", [True, False])
-def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monkeypatch, holds):
-    tried = []
-
-    def judged(found, *_):
-        tried.append(found)
-        checks = dict(plan().certificate)
-        if len(tried) == 1 or not holds:
-            checks["dynamics"] = {**checks["dynamics"], "holds": False}
-        return replace(found, certificate=checks)
-
-    monkeypatch.setattr(api, "certified", judged)
-    found = api.whole_body_plan(draft(), guesses=False)
-    coarse, fine = tried
-    assert len(fine.time) > 1.4 * len(coarse.time)
-    assert found.certified is holds
-    assert len(found.time) == len((fine if holds else coarse).time)
-    both = coarse.refinement.iterations + fine.refinement.iterations
-    assert found.refinement.iterations == both
-    if holds:
-        assert certify(found).holds

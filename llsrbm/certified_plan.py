@@ -1,0 +1,91 @@
+"""A draft in, the whole body's plan with its certificate out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+
+from llsrbm.certificate import certified
+from llsrbm.certificate.power import BatteryCurrent, Regeneration, WindingHeat
+from llsrbm.motion.plan import Plan
+from llsrbm.ocp.progress import interruptible
+from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.planning.whole_body.refine import refined, refiner_of
+from llsrbm.robots.robot import Robot
+
+FINER = 1.5  # times as many intervals where a certificate does not hold
+# Checks of what no row of the problem has; what fails of them does so on any grid.
+WITHOUT_ROWS = (Regeneration.name, BatteryCurrent.name, WindingHeat.name)
+
+
+@dataclass(frozen=True)
+class CertifiedPlanner:
+    """How whole bodies' plans are made.
+
+    Attributes:
+        robot: the one that plans name, with other drives; None: as it is.
+        guesses: begin from jumps nearby that were solved before, where the robot has a table.
+        settles: wait until solvers are compiled, so that results are the same whenever they are
+            computed.
+        cancelled: polled; true: `Cancelled`; progress: told of each step.
+    """
+
+    robot: Robot | None = None
+    guesses: bool = True
+    settles: bool = False
+    cancelled: Callable[[], bool] | None = None
+    progress: Progress | None = None
+
+    def plan(self, draft: Plan) -> Plan:
+        """The whole body's plan of a draft that converged, with its certificate.
+
+        Where the certificate does not hold it is planned again with more intervals: of what holds
+        at their nodes less is missed between. Where no plan is found it is the draft, without a
+        certificate; its `refinement` says so.
+
+        Raises:
+            Cancelled: `cancelled` was true.
+        """
+        found = self.checked(self._refined(draft, 1.0))
+        if not found.refined or not _depends_on_grid(found):
+            return found
+        # Its solver is built first, which takes seconds.
+        self._watch.begin("a check does not hold: planning again with more intervals")
+        finer = self.checked(self._refined(draft, FINER))
+        best, other = (finer, found) if finer.certified else (found, finer)
+        assert best.refinement is not None
+        assert other.refinement is not None
+        return replace(best, refinement=best.refinement.beside(other.refinement))
+
+    def checked(self, plan: Plan) -> Plan:
+        """A plan with its certificate; a draft as it is."""
+        if not plan.refined:
+            return plan
+        self._watch.begin("checking the motion at 1 kHz")
+        return interruptible(partial(certified, plan, self.robot), self.cancelled)
+
+    @property
+    def _watch(self) -> Watch:
+        return Watch(self.cancelled, self.progress)
+
+    def _refined(self, draft: Plan, finer: float) -> Plan:
+        if self.settles and not draft.jump.turns:
+            refiner_of(draft, self.robot, finer).solver.settle()
+        return refined(
+            draft,
+            self.robot,
+            # A table's jumps are on the first grid.
+            learned=self.guesses and finer == 1.0,
+            finer=finer,
+            cancelled=self.cancelled,
+            progress=self.progress,
+        )
+
+
+def _depends_on_grid(plan: Plan) -> bool:
+    """Whether a certificate fails in something that rows between more nodes may hold."""
+    return any(
+        finding["holds"] is False and name not in WITHOUT_ROWS
+        for name, finding in (plan.certificate or {}).items()
+    )

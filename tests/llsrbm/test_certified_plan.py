@@ -1,0 +1,72 @@
+"""`CertifiedPlanner`: the whole body's plan of a draft, again where its certificate fails."""
+
+from dataclasses import replace
+from functools import cache
+from threading import Event
+
+import pytest
+
+import llsrbm
+from llsrbm import certified_plan
+from llsrbm.certificate import certify
+from llsrbm.certified_plan import WITHOUT_ROWS, CertifiedPlanner
+from llsrbm.errors import Cancelled
+
+JUMP = llsrbm.Jump(robot="go2", forward=0.2, twist=0.3)
+
+
+@cache
+def draft():
+    return llsrbm.plan(JUMP, draft=True)
+
+
+@cache
+def plan():
+    return llsrbm.plan(JUMP)
+
+
+def test_a_plan_that_is_cancelled_while_it_is_checked_is_none(monkeypatch):
+    found, begun, release = plan(), Event(), Event()
+    monkeypatch.setattr(certified_plan, "refined", lambda *_, **__: found)
+    monkeypatch.setattr(certified_plan, "certified", lambda *_: begun.set() or release.wait(30))
+    with pytest.raises(Cancelled):
+        CertifiedPlanner(cancelled=begun.is_set).plan(draft())
+    release.set()
+
+
+@pytest.mark.parametrize("holds", [True, False])
+def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monkeypatch, holds):
+    tried = []
+
+    def judged(found, *_):
+        tried.append(found)
+        checks = dict(plan().certificate)
+        if len(tried) == 1 or not holds:
+            checks["dynamics"] = {**checks["dynamics"], "holds": False}
+        return replace(found, certificate=checks)
+
+    monkeypatch.setattr(certified_plan, "certified", judged)
+    found = CertifiedPlanner(guesses=False).plan(draft())
+    coarse, fine = tried
+    assert len(fine.time) > 1.4 * len(coarse.time)
+    assert found.certified is holds
+    assert len(found.time) == len((fine if holds else coarse).time)
+    both = coarse.refinement.iterations + fine.refinement.iterations
+    assert found.refinement.iterations == both
+    if holds:
+        assert certify(found).holds
+
+
+@pytest.mark.parametrize("name", WITHOUT_ROWS)
+def test_power_that_no_row_holds_is_no_reason_for_a_finer_grid(monkeypatch, name):
+    tried = []
+
+    def judged(found, *_):
+        tried.append(found)
+        checks = dict(plan().certificate)
+        return replace(found, certificate={**checks, name: {**checks[name], "holds": False}})
+
+    monkeypatch.setattr(certified_plan, "certified", judged)
+    found = CertifiedPlanner(guesses=False).plan(draft())
+    assert not found.certified
+    assert len(tried) == 1
