@@ -5,11 +5,10 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm import certificate
+from llsrbm import certified_plan
 from llsrbm.certificate import Certificate, Finding
 from llsrbm.installed import package_version
 from llsrbm.motion.solve_report import Refinement
-from llsrbm.planning.whole_body import refine
 from llsrbm.robots import load_robot
 from llsrbm.sweep import jump, rows
 from llsrbm.sweep.points import Points
@@ -115,14 +114,17 @@ def test_plans_without_a_certificate_that_holds_are_rows_alone(monkeypatch):
 
     def certified(plan, robot):
         seen.append(robot)
-        slip = Finding("slip", 0.02 * len(seen), 0.01, "m", "LF", 0.4, len(seen) > 1, 0.01)
+        # The first jump's fails, also on a finer grid.
+        slip = Finding("slip", 0.02, 0.01, "m", "LF", 0.4, len(seen) > 2, 0.01)
         return replace(plan, certificate=Certificate((slip,)).as_dict())
 
     settled = SimpleNamespace(solver=SimpleNamespace(settle=lambda: None))
     effort = Refinement("solved", 9, 0.1, 0.1, 0.0, 1.0)
-    monkeypatch.setattr(refine, "refiner_of", lambda plan, robot: settled)
-    monkeypatch.setattr(refine, "refined", lambda plan, robot: replace(plan, refinement=effort))
-    monkeypatch.setattr(certificate, "certified", certified)
+    monkeypatch.setattr(certified_plan, "refiner_of", lambda *_: settled)
+    monkeypatch.setattr(
+        certified_plan, "refined", lambda plan, *_, **__: replace(plan, refinement=effort)
+    )
+    monkeypatch.setattr(certified_plan, "certified", certified)
     points = Points(demanding)
     refused = jump.rows_of(demanding, points[2])
     assert [row["status"] for row in refused] == [rows.NOT_CERTIFIED] * 2
