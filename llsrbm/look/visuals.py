@@ -27,6 +27,7 @@ from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots.feet import collision_shapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.solids import placed_solids
+from llsrbm.robots.urdf import bodies_on
 
 if TYPE_CHECKING:
     import trimesh
@@ -199,11 +200,7 @@ def link_visual(model: pin.Model, joint: int, pieces: Sequence[trimesh.Trimesh])
     first = np.cumsum([0, *(len(piece.vertices) for piece in pieces[:-1])])
     faces = [piece.faces + start for piece, start in zip(pieces, first, strict=True)]
     return LinkVisual(
-        link=next(
-            frame.name  # of the first body of the URDF that the joint moves
-            for frame in model.frames
-            if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
-        ),
+        link=bodies_on(model, joint)[0].name,
         joint_id=joint,
         vertices=_rounded([piece.vertices for piece in pieces], _VERTEX_STEP),
         normals=_rounded([piece.vertex_normals for piece in pieces], _NORMAL_STEP),

@@ -139,14 +139,10 @@ def sampled_legs(robot: Robot, samples: int, seed: int) -> tuple[Array, Array]:
     Only places that all legs reach.
     """
     drawn = _drawn(robot, samples * len(robot.legs), seed)
-    q, error = solve_legs(robot.chains, *_arguments(robot, drawn))
+    place, rotation = _places(robot, drawn)
+    q, error = solve_legs(robot.chains, place, _standing_angles(robot), rotation)
     good = (error < 1e-7).all(axis=1)
     return drawn[good], q[good]
-
-
-def _arguments(robot: Robot, drawn: Array) -> tuple[Array, Array, Array | None]:
-    place, rotation = _places(robot, drawn)
-    return place, _standing_angles(robot), rotation
 
 
 def _standing_angles(robot: Robot) -> Array:

@@ -29,7 +29,7 @@ def placements(model: pin.Model, q: Array) -> tuple[Array, Array]:
     for j in range(2, model.njoints):
         joint, placed, parent = model.joints[j], model.jointPlacements[j], model.parents[j]
         value = q[:, joint.idx_q][:, None]
-        shift, axis = _subspace(joint)
+        shift, axis = subspace(joint)
         own, along = Rotation.from_rotvec(value * axis).as_matrix(), value * shift
         at = turn[:, parent] @ placed.rotation
         origin[:, j] = origin[:, parent] + turn[:, parent] @ placed.translation
@@ -49,7 +49,7 @@ def velocities(model: pin.Model, placed: tuple[Array, Array], v: Array) -> tuple
     for j in range(2, model.njoints):
         joint, parent = model.joints[j], model.parents[j]
         rate = v[:, joint.idx_v][:, None]
-        shift, axis = _subspace(joint)
+        shift, axis = subspace(joint)
         carried = cross(angular[:, parent], origin[:, j] - origin[:, parent])
         linear[:, j] = linear[:, parent] + carried + rate * (turn[:, j] @ shift)
         angular[:, j] = angular[:, parent] + rate * (turn[:, j] @ axis)
@@ -70,14 +70,14 @@ def pushes(
     for part, pushed in zip(_BASE, (force, about_base), strict=True):
         found[:, part] = apply(to_base, pushed)
     for j in list(model.supports[joint])[2:]:
-        shift, axis = _subspace(model.joints[j])
+        shift, axis = subspace(model.joints[j])
         about = moment - cross(origin[:, j], force)
         along = (turn[:, j] @ shift) * force + (turn[:, j] @ axis) * about
         found[:, model.joints[j].idx_v] = along.sum(axis=1)
     return found
 
 
-def _subspace(joint: pin.JointModel) -> tuple[Array, Array]:
+def subspace(joint: pin.JointModel) -> tuple[Array, Array]:
     """Directions (3,) in which a joint shifts and turns its body, in its own axes."""
     data = joint.createData()
     joint.calc(data, np.zeros(joint.idx_q + 1), np.zeros(joint.idx_v + 1))

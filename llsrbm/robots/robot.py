@@ -24,6 +24,9 @@ from llsrbm.robots.leg_maps import LegFit
 from llsrbm.robots.legs import LegChains
 from llsrbm.robots.schema import RobotFile
 
+PerLimb = float | tuple[float, ...] | None
+"""One number for all joints of a limb, or one each from the base outwards; None: there are none."""
+
 _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.
 _NOT_OF_PLANS: Any = {
@@ -204,12 +207,12 @@ class Robot:
     @cached_property
     def rated_torque(self) -> Array:
         """(J,) Nm or N: the file's, or the URDF's where the file has none."""
-        return self._of_joints(self.file.limits.torque, self.model.effortLimit)
+        return self.of_limbs(self.file.limits.torque, None, self.model.effortLimit[6:])
 
     @cached_property
     def rated_speed(self) -> Array:
         """(J,) rad/s or m/s, likewise."""
-        return self._of_joints(self.file.limits.joint_speed, self.model.velocityLimit)
+        return self.of_limbs(self.file.limits.joint_speed, None, self.model.velocityLimit[6:])
 
     @cached_property
     def armature(self) -> Array:
@@ -233,16 +236,19 @@ class Robot:
         delay = self.file.drives.delay
         return DELAY if delay is None else delay
 
+    def of_limbs(self, legs: PerLimb, arms: PerLimb, otherwise: Array) -> Array:
+        """(J,) numbers of the joints of legs and of arms; `otherwise` (J,) where there are none."""
+        found = otherwise.copy()
+        if legs is not None:
+            found[self.leg_joint_index] = legs
+        if arms is not None and self.arms:
+            found[self.arm_joint_index.reshape(len(self.arms), -1)] = arms
+        return found
+
     def _of_drives(self, name: str, assumed: Array) -> Array:
         """(J,) numbers of the file's [drives]; `assumed` where it has none."""
-        drives, found = self.file.drives, assumed.copy()
-        limbs = [(self.leg_joint_index, getattr(drives, name))]
-        if self.arms:
-            of_arms = self.arm_joint_index.reshape(len(self.arms), -1)
-            limbs.append((of_arms, getattr(drives.arms, name)))
-        for index, numbers in limbs:
-            if numbers is not None:
-                found[index] = numbers
+        drives = self.file.drives
+        found = self.of_limbs(getattr(drives, name), getattr(drives.arms, name), assumed)
         for joint, own in drives.joints.items():
             if (number := getattr(own, name)) is not None:
                 found[self.joint_names.index(joint)] = number
@@ -258,13 +264,6 @@ class Robot:
         """Names of the joints that slide; the others turn."""
         sliding = self.leg_joint_index[:, self.chains.prismatic]
         return frozenset(self.joint_names[joint] for joint in sliding.ravel())
-
-    def _of_joints(self, limit: float | tuple[float, ...] | None, urdf: Array) -> Array:
-        if limit is None:
-            return np.array(urdf[6:])
-        joints = np.array(urdf[6:])
-        joints[self.leg_joint_index] = limit
-        return joints
 
     @property
     def foot_coordinates(self) -> int:

@@ -28,6 +28,7 @@ Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
+_PLAIN = ("link", "joint", "kind", "size", "rotation", "centre")  # arrays of the cache, with others
 _METHOD = "shapes 5"  # a new one makes cached shapes old
 
 
@@ -203,26 +204,17 @@ def _outermost(mesh: PlacedSolid) -> Array:
 
 def _encode(shapes: tuple[Shape, ...]) -> dict[str, NDArray[np.generic]]:
     return {
-        "link": np.array([shape.link for shape in shapes]),
-        "joint": np.array([shape.joint for shape in shapes]),
-        "kind": np.array([shape.kind for shape in shapes]),
-        "size": np.array([shape.size for shape in shapes]),
-        "rotation": np.array([shape.rotation for shape in shapes]),
-        "centre": np.array([shape.centre for shape in shapes]),
+        **{
+            name: np.array([getattr(shape, name) for shape in shapes]) for name in (*_PLAIN, "foot")
+        },
         "points": np.concatenate([shape.points for shape in shapes]),
         "count": np.array([len(shape.points) for shape in shapes]),
-        "foot": np.array([shape.foot for shape in shapes]),
     }
 
 
 def _decode(stored: dict[str, NDArray[np.generic]]) -> tuple[Shape, ...]:
     points = np.split(stored["points"], np.cumsum(stored["count"])[:-1])
-    rows = zip(
-        *(stored[key] for key in ("link", "joint", "kind", "size", "rotation", "centre")),
-        points,
-        stored["foot"],
-        strict=True,
-    )
+    rows = zip(*(stored[key] for key in _PLAIN), points, stored["foot"], strict=True)
     return tuple(
         Shape(str(link), int(joint), str(kind), size, rotation, centre, corners, bool(foot))  # type: ignore[arg-type]
         for link, joint, kind, size, rotation, centre, corners, foot in rows

@@ -86,11 +86,7 @@ def check_moving(robot: Description, model: pin.Model, where: str) -> None:
     for body in range(BASE_JOINT, model.njoints):
         fault = _impossible(model.inertias[body])
         if fault:
-            links = [
-                frame.name
-                for frame in model.frames
-                if frame.parentJoint == body and frame.type == pin.FrameType.BODY
-            ]
+            links = [frame.name for frame in bodies_on(model, body)]
             shown = f'link "{links[0]}"'
             if len(links) > 1:
                 more = f" and {len(links) - 4} more" if len(links) > 4 else ""
@@ -162,6 +158,12 @@ def _impossible(body: pin.Inertia) -> str:
     if a + b < c * (1 - ROUNDED):
         return f"{moments}, which no body has; expected none above the sum of the other two"
     return ""
+
+
+def bodies_on(model: pin.Model, joint: int) -> list[pin.Frame]:
+    """Frames of the links that a joint moves, in the order of the URDF."""
+    body = pin.FrameType.BODY
+    return [each for each in model.frames if each.parentJoint == joint and each.type == body]
 
 
 def frame_id(model: pin.Model, name: str) -> int:

@@ -18,7 +18,7 @@ from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
-from llsrbm.robots.urdf import BASE_JOINT, ROUNDED
+from llsrbm.robots.urdf import BASE_JOINT, ROUNDED, bodies_on
 from llsrbm.simulation.contacts import add_sensors
 
 # Elliptic cones with friction ten times as stiff as the normal: feet that stand do not creep.
@@ -215,11 +215,7 @@ def _skeleton(robot: Robot) -> mujoco.MjSpec:
 
 def _add_body(parent: mujoco.MjsBody, robot: Robot, joint: int) -> mujoco.MjsBody:
     """The body that a joint moves, called like its first link."""
-    link = next(
-        frame.name
-        for frame in robot.model.frames
-        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY
-    )
+    link = bodies_on(robot.model, joint)[0].name
     place = robot.model.jointPlacements[joint]
     x, y, z, w = pin.Quaternion(place.rotation).coeffs()
     # MuJoCo's own world has that name.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,9 +15,10 @@ from llsrbm.errors import RobotFileError
 from llsrbm.robots.description import Description, changed, read_description
 from llsrbm.robots.draft.arms import ArmAnatomy, arm_anatomy, arm_joints
 from llsrbm.robots.legs import LegChains
+from llsrbm.robots.placements import subspace
 from llsrbm.robots.schema import AddedFrame, UrdfSource
 from llsrbm.robots.solids import PlacedSolid, placed_solids
-from llsrbm.robots.urdf import BASE_JOINT, check_moving, frame_id, pinocchio_model
+from llsrbm.robots.urdf import BASE_JOINT, bodies_on, check_moving, frame_id, pinocchio_model
 
 _FOOT = re.compile(r"foot|sole|toe|ankle|contact", re.IGNORECASE)
 _SOLE = re.compile(r"sole|foot", re.IGNORECASE)
@@ -77,8 +79,12 @@ class Anatomy:
 
     @property
     def mass(self) -> float:
-        """Kg, of the whole robot."""
+        """Total mass (kg)."""
         return float(pin.computeTotalMass(self.model))
+
+    def index(self, joints: Iterable[int]) -> list[int]:
+        """Places of joints in a posture q (nq,)."""
+        return [self.model.joints[joint].idx_q for joint in joints]
 
 
 def read_anatomy(urdf: Path) -> Anatomy:
@@ -112,7 +118,7 @@ def read_anatomy(urdf: Path) -> Anatomy:
         shapes = placed_solids(robot, model, "collisions")
     foot_ids = [frame_id(model, foot) for foot in feet]
     hips = [_hip(model, data, leg, urdf) for leg in joints]
-    at = [[model.joints[j].idx_q for j in leg] for leg in joints]
+    lower, upper = zip(*(stops(model, leg) for leg in joints), strict=True)
     corners, radius = _contact_points(
         model.frames[foot_ids[0]], shapes, sole=len(joints[0]) > _JOINTS_OF_A_LEG[0]
     )
@@ -126,8 +132,8 @@ def read_anatomy(urdf: Path) -> Anatomy:
         joint_ids=tuple(tuple(leg) for leg in joints),
         chains=LegChains(model, np.array(joints), tuple(foot_ids)),
         hip_position=np.array([data.oMi[hip].translation for hip in hips]),
-        lower=np.maximum(model.lowerPositionLimit[at], -np.pi),
-        upper=np.minimum(model.upperPositionLimit[at], np.pi),
+        lower=np.array(lower),
+        upper=np.array(upper),
         corners=corners,
         radius=radius,
         arms=arm_anatomy(model, arms),
@@ -135,6 +141,13 @@ def read_anatomy(urdf: Path) -> Anatomy:
         held=change.held,
         frames=change.frames,
     )
+
+
+def stops(model: pin.Model, joints: Sequence[int]) -> tuple[Array, Array]:
+    """Lowest and highest angles (n,) of joints, rad or m; at most half a turn either way."""
+    at = [model.joints[joint].idx_q for joint in joints]
+    lower, upper = model.lowerPositionLimit[at], model.upperPositionLimit[at]
+    return np.maximum(lower, -np.pi), np.minimum(upper, np.pi)
 
 
 def _held(robot: Description, names: list[str]) -> dict[str, float]:
@@ -262,32 +275,24 @@ def _named(ends: Array) -> tuple[list[int], tuple[str, ...]]:
 
 def _foot_frame(model: pin.Model, data: pin.Data, leg: list[int]) -> str:
     """The body at the end of a leg: by its name if it has one, else the farthest from its joint."""
-    bodies = [
-        frame
-        for frame in model.frames
-        if frame.parentJoint == leg[-1] and frame.type == pin.FrameType.BODY
-    ]
+    bodies = bodies_on(model, leg[-1])
     soles = len(leg) > _JOINTS_OF_A_LEG[0]
     pattern = _SOLE if soles else _FOOT
     named = [frame for frame in bodies if pattern.search(frame.name)] or bodies
     # Of soles the lowest frame is the one on the ground; of balls the outermost is the ball.
-    return str(
-        max(
-            named,
-            key=lambda frame: (
-                -round(float((data.oMi[leg[-1]] * frame.placement).translation[2]), 4)
-                if soles
-                else float(np.linalg.norm(frame.placement.translation))
-            ),
-        ).name
-    )
+
+    def rank(frame: pin.Frame) -> float:
+        if soles:
+            return -round(float((data.oMi[leg[-1]] * frame.placement).translation[2]), 4)
+        return float(np.linalg.norm(frame.placement.translation))
+
+    return str(max(named, key=rank).name)
 
 
 def _hip(model: pin.Model, data: pin.Data, leg: list[int], urdf: Path) -> int:
     """The first joint that swings the leg forward, about an axis across the robot."""
     for joint in leg:
-        subspace = np.asarray(model.joints[joint].createData().S).reshape(6)
-        if abs((data.oMi[joint].rotation @ subspace[3:])[1]) > _ACROSS:
+        if abs((data.oMi[joint].rotation @ subspace(model.joints[joint])[1])[1]) > _ACROSS:
             return joint
     raise RobotFileError(
         f"{urdf}: no joint of the leg that begins with {model.names[leg[0]]} turns about an axis "

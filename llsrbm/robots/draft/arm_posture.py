@@ -10,7 +10,8 @@ from scipy.optimize import least_squares
 
 from llsrbm.arrays import Array
 from llsrbm.robots.arms import mirror_signs
-from llsrbm.robots.draft.anatomy import Anatomy
+from llsrbm.robots.draft.anatomy import Anatomy, stops
+from llsrbm.robots.placements import subspace
 from llsrbm.robots.solids import coal_shape
 from llsrbm.robots.urdf import BASE_JOINT
 
@@ -48,9 +49,9 @@ def ends(anatomy: Anatomy, posture: Array) -> tuple[Array, Array]:
     """
     model, measure = anatomy.model, _clearance(anatomy)
     joints = anatomy.arms[0].joint_ids
-    low, high = _stops(anatomy)
+    low, high = stops(model, joints)
     margin = _MARGIN * (high - low)
-    index = [model.joints[j].idx_q for j in joints]
+    index = anatomy.index(joints)
     hanging = posture[index]
     found = [np.minimum(low + margin, hanging), np.maximum(high - margin, hanging)]
     for place, rest in enumerate(hanging):
@@ -69,26 +70,18 @@ def ends(anatomy: Anatomy, posture: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _stops(anatomy: Anatomy) -> tuple[Array, Array]:
-    model = anatomy.model
-    index = [model.joints[j].idx_q for j in anatomy.arms[0].joint_ids]
-    return (
-        np.maximum(model.lowerPositionLimit[index], -np.pi),
-        np.minimum(model.upperPositionLimit[index], np.pi),
-    )
-
-
 def _with_first_arm(anatomy: Anatomy, posture: Array, angles: Array) -> Array:
     q = posture.copy()
-    q[[anatomy.model.joints[j].idx_q for j in anatomy.arms[0].joint_ids]] = angles
+    q[anatomy.index(anatomy.arms[0].joint_ids)] = angles
     return q
 
 
 def _solved(anatomy: Anatomy, outward: float) -> Array:
     """(n,) angles of the first arm, which hangs that much (rad) away from the trunk."""
-    last = anatomy.arms[0].joint_ids[-1]
+    joints = anatomy.arms[0].joint_ids
+    last = joints[-1]
     lever = anatomy.model.inertias[last].lever
-    lower, upper = _stops(anatomy)
+    lower, upper = stops(anatomy.model, joints)
     rest = np.clip(0.0, lower, upper)
     side = np.sign(_placed(anatomy, rest).oMi[last].translation[1])
     down = np.array([0.0, side * np.sin(outward), -np.cos(outward)])
@@ -117,7 +110,7 @@ def _along_the_arm(anatomy: Anatomy, angles: Array, place: int) -> bool:
     """True if a joint of the first arm turns the upper arm about itself."""
     model, joint = anatomy.model, anatomy.arms[0].joint_ids[place]
     data = _placed(anatomy, angles)
-    axis = np.asarray(model.joints[joint].createData().S).reshape(6)[3:]
+    axis = subspace(model.joints[joint])[1]
     return bool(abs(data.oMi[joint].rotation @ axis @ _upper_arm(anatomy, angles)) > _ALONG)
 
 

@@ -9,6 +9,8 @@ from itertools import combinations
 import numpy as np
 import pinocchio as pin
 
+from llsrbm.robots.urdf import bodies_on
+
 _HAND = re.compile(r"hand|palm|gripper", re.IGNORECASE)
 _FEWEST, _MOST = 3, 4  # joints of an arm: those of the shoulder and the elbow; wrists are held
 _MIRRORED = 0.01  # m, to which shoulders are mirror images
@@ -113,11 +115,7 @@ def _farthest(model: pin.Model, data: pin.Data, joint: int) -> float:
 
 def _hand(model: pin.Model, joint: int) -> str:
     """The body at the end of an arm: the first one that is called a hand, else the outermost."""
-    bodies = [
-        frame
-        for frame in model.frames
-        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY
-    ]
+    bodies = bodies_on(model, joint)
     bodies.sort(key=lambda frame: float(np.linalg.norm(frame.placement.translation)))
     named = [frame for frame in bodies if _HAND.search(frame.name)]
     return str((named or bodies[::-1])[0].name)

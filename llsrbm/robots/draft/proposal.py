@@ -13,6 +13,7 @@ from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
 from llsrbm.robots.draft import arm_posture, drives, turning
 from llsrbm.robots.draft.anatomy import Anatomy
+from llsrbm.robots.draft.turning import metres
 
 # Shares of the longest distance from a hip to its foot, as ANYmal's, Go2's and SLIDER's files have.
 _STANDING = 0.74
@@ -67,7 +68,7 @@ def propose(anatomy: Anatomy) -> Proposal:
         f"posture.{name}": _radians(angles[k]) for k, name in enumerate(anatomy.names)
     }
     values |= _arms(anatomy, _joined(anatomy, angles, arms))
-    values["reach.distance"] = _metres(near, far)
+    values["reach.distance"] = metres(near, far)
     values |= _by_length(anatomy, length, ahead, side)
     guessed = {
         "posture": f"hips {standing:.2f} m above the feet, from {basis}",
@@ -96,10 +97,10 @@ def propose(anatomy: Anatomy) -> Proposal:
 def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> dict[str, Any]:
     """Numbers by the legs' length (m), of feet that stand so far ahead of and beside the hips."""
     return {
-        "reach.lower": _metres(
+        "reach.lower": metres(
             ahead - _FORWARD * length, side - _SIDEWAYS * length, -_LOWEST * length
         ),
-        "reach.upper": _metres(
+        "reach.upper": metres(
             ahead + _FORWARD * length, side + _SIDEWAYS * length, -_HIGHEST * length
         ),
         "limits.friction": 0.5,
@@ -110,19 +111,14 @@ def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> di
         "timing.flight": [0.3, 0.6],
         "timing.landing": [0.3 if anatomy.has_soles else 0.5, 0.8],
         "task.twist": [-3.1416, 3.1416],
-        **{f"task.{name}": _metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
+        **{f"task.{name}": metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
         "example.twist": 0.7854,
     }
 
 
 def _distances(anatomy: Anatomy) -> tuple[float, float]:
     """Shortest and longest from the first hip to its foot, m, within the joints' limits."""
-    generator = np.random.default_rng(0)
-    lower, upper = anatomy.lower, anatomy.upper
-    q = generator.uniform(lower, upper, (_SAMPLES, *lower.shape))
-    # The straight leg is likely at zero or at a stop, which samples only come near.
-    q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
-    distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
+    distance = _reached(anatomy)
     return float(distance.min()), float(distance.max(axis=0).min())
 
 
@@ -131,19 +127,24 @@ def _stretch(anatomy: Anatomy) -> float:
 
     They move the hip away from where reach is measured from.
     """
+    names = [anatomy.model.names[joint] for joint in anatomy.joint_ids[0]]
+    return float(_reached(anatomy, names.index(anatomy.hips[0])).max(axis=0).min())
+
+
+def _reached(anatomy: Anatomy, held: int = 0) -> Array:
+    """(S, L) m from hips to feet in postures anywhere within the stops; `held` joints at zero."""
     lower, upper = anatomy.lower, anatomy.upper
     q = np.random.default_rng(0).uniform(lower, upper, (_SAMPLES, *lower.shape))
+    # The straight leg is likely at zero or at a stop, which samples only come near.
     q[0], q[1], q[2] = np.clip(0.0, lower, upper), lower, upper
-    names = [anatomy.model.names[joint] for joint in anatomy.joint_ids[0]]
-    q[..., : names.index(anatomy.hips[0])] = 0.0
-    distance = np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
-    return float(distance.max(axis=0).min())
+    q[..., :held] = 0.0
+    return np.linalg.norm(anatomy.chains.motion(q).foot - anatomy.hip_position, axis=-1)
 
 
 def _arms(anatomy: Anatomy, posture: Array) -> dict[str, Any]:
     """How the arms hang, from a posture (nq,), and how far they may move."""
     values: dict[str, Any] = {
-        f"posture.{arm.name}": _radians(posture[_index(anatomy, arm.joint_ids)])
+        f"posture.{arm.name}": _radians(posture[anatomy.index(arm.joint_ids)])
         for arm in anatomy.arms
     }
     if anatomy.arms:
@@ -181,7 +182,7 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array, *, forward: b
     lower, upper = anatomy.lower[leg], anatomy.upper[leg]
     model, hip, joints = anatomy.model, anatomy.hip_position[leg], anatomy.joint_ids[leg]
     frame, data, posture = anatomy.chains.foot_ids[leg], model.createData(), pin.neutral(model)
-    index = [model.joints[j].idx_q for j in joints]
+    index = anatomy.index(joints)
 
     def pose(q: Array) -> tuple[Array, Array]:
         posture[index] = q
@@ -257,12 +258,8 @@ def _joined(anatomy: Anatomy, legs: Array, arms: Array) -> Array:
     q = pin.neutral(anatomy.model)
     limbs = [*anatomy.joint_ids, *(arm.joint_ids for arm in anatomy.arms[: len(arms)])]
     for joints, angles in zip(limbs, [*legs, *arms], strict=True):
-        q[_index(anatomy, joints)] = angles
+        q[anatomy.index(joints)] = angles
     return q
-
-
-def _index(anatomy: Anatomy, joints: tuple[int, ...]) -> list[int]:
-    return [anatomy.model.joints[j].idx_q for j in joints]
 
 
 def _apart(anatomy: Anatomy, length: float) -> float:
@@ -324,7 +321,3 @@ def _gains(
 
 def _radians(angles: Array) -> list[float]:
     return [round(float(angle), 4) + 0.0 for angle in angles]
-
-
-def _metres(*lengths: float) -> list[float]:
-    return [round(float(length), 2) for length in lengths]

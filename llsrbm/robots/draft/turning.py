@@ -102,9 +102,9 @@ def turning_table(stretch: float, outward: float) -> dict[str, Any]:
         "axes": ["pitch"],
         "knee_margin": round(min(KNEES * stretch, KNEES_MOST), 2),
         "reach": {
-            "distance": _metres(NEAREST * stretch, FARTHEST * stretch),
-            "lower": _metres(-FORWARD * stretch, outward - INWARD * stretch, -LOWEST * stretch),
-            "upper": _metres(FORWARD * stretch, outward + OUTWARD * stretch, -HIGHEST * stretch),
+            "distance": metres(NEAREST * stretch, FARTHEST * stretch),
+            "lower": metres(-FORWARD * stretch, outward - INWARD * stretch, -LOWEST * stretch),
+            "upper": metres(FORWARD * stretch, outward + OUTWARD * stretch, -HIGHEST * stretch),
             "standing": CROUCH,
             "about_standing": ABOUT_STANDING,
         },
@@ -129,5 +129,6 @@ def left_out(flip: FlipEstimate) -> str:
     return ""
 
 
-def _metres(*lengths: float) -> list[float]:
+def metres(*lengths: float) -> list[float]:
+    """Lengths as robot files have them."""
     return [round(float(length), 2) for length in lengths]

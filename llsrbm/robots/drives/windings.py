@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from llsrbm.arrays import Array, IntArray
-from llsrbm.robots.drives.table import Electrical, Motor
+from llsrbm.arrays import Array
+from llsrbm.robots.drives.table import Electrical
 from llsrbm.robots.robot import Robot
 
 
@@ -35,15 +35,8 @@ class Windings:
             return None
 
         def each(name: str) -> Array:
-            found = np.full(len(robot.joint_names), np.inf)
-            limbs: list[tuple[IntArray, Motor]] = [(robot.leg_joint_index, table)]
-            if robot.arms:
-                of_arms = robot.arm_joint_index.reshape(len(robot.arms), -1)
-                limbs.append((of_arms, table.arms or table))
-            for index, motor in limbs:
-                if (numbers := getattr(motor, name)) is not None:
-                    found[index] = numbers
-            return found
+            legs, arms = (getattr(motor, name) for motor in (table, table.arms or table))
+            return robot.of_limbs(legs, arms, np.full(len(robot.joint_names), np.inf))
 
         return Windings(each("torque_constant"), each("resistance"), each("heat"), table)
 
