@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
+from llsrbm.signals import stop_on_signal
 
 if TYPE_CHECKING:
     from app.workers.opened_file import OpenedFile
@@ -112,25 +109,6 @@ def serve(
                 atlases=Atlases(atlas or ()),
                 browser=browser,
             )
-
-
-@contextmanager
-def stop_on_signal() -> Iterator[threading.Event]:
-    """An event that SIGINT and SIGTERM set; the former handlers come back at the end.
-
-    Set while something is still imported or built, it stops what comes of that.
-    """
-    stop = threading.Event()
-
-    def handle(_number: int, _frame: FrameType | None) -> None:
-        stop.set()
-
-    former = {number: signal.signal(number, handle) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stop
-    finally:
-        for number, handler in former.items():
-            signal.signal(number, handler)
 
 
 def _token_in(path: Path, other: str | None) -> str:

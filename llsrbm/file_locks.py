@@ -18,19 +18,18 @@ for _name in ("fcntl", "msvcrt"):
         break
 
 
-def lock(file: IO[Any], *, shared: bool = False, wait: bool = False) -> bool:
-    """Lock an open file until it is closed; False: another process has it, and `wait` is not set.
-
-    Raises `Error`: the system has no such locks.
+def lock(file: IO[Any], *, shared: bool = False) -> bool:
+    """Lock an open file until it is closed; False: another process has it. Raises
+    `Error`: the system has no such locks.
     """
     if _system is None:
         raise Error("this system has no locks of files; expected Linux, macOS or Windows")
     try:
         if hasattr(_system, "flock"):
             kind = _system.LOCK_SH if shared else _system.LOCK_EX
-            _system.flock(file, kind if wait else kind | _system.LOCK_NB)
+            _system.flock(file, kind | _system.LOCK_NB)
         else:
-            _system.locking(file.fileno(), _system.LK_LOCK if wait else _system.LK_NBLCK, 1)
+            _system.locking(file.fileno(), _system.LK_NBLCK, 1)
     except (BlockingIOError, PermissionError):  # the latter on Windows
         return False
     return True

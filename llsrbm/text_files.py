@@ -58,20 +58,19 @@ def decoded(
         raise error(f"{where}: not a text file in UTF-8; expected {what}") from reason
 
 
-def parse_json(text: str, where: str, error: type[InputError] = FileFormatError) -> Any:
-    """The content of a JSON text with finite numbers and every key once; `where` names it.
-
-    Raises `error`: one line.
+def parse_json(text: str, where: str) -> Any:
+    """The content of a JSON text with finite numbers and every key once; `where` names it. Raises
+    `FileFormatError`: one line.
     """
     try:
         return json.loads(text, object_pairs_hook=_without_duplicates, parse_constant=_no_constant)
     except InputError as reason:
-        raise error(f"{where}: {reason}") from reason
+        raise FileFormatError(f"{where}: {reason}") from reason
     except RecursionError as reason:
-        raise error(f"{where}: not a JSON file: nested too deeply") from reason
+        raise FileFormatError(f"{where}: not a JSON file: nested too deeply") from reason
     except ValueError as reason:  # JSONDecodeError, or a number of thousands of digits
         why = str(reason).partition("; use sys.")[0]
-        raise error(f"{where}: not a JSON file: {printable(why, 200)}") from reason
+        raise FileFormatError(f"{where}: not a JSON file: {printable(why, 200)}") from reason
 
 
 def _without_duplicates(pairs: list[tuple[str, Any]]) -> dict[str, Any]:

@@ -31,13 +31,6 @@ class AnimationChannel:
     time: Array  # (F,) s, increasing; before and after, the first and the last instant hold
     tracks: tuple[Track, ...]  # what moves
 
-    def frame_at(self, time: float) -> int:
-        """Index of the instant nearest to `time`, s."""
-        after = int(np.searchsorted(self.time, time).clip(1, max(1, len(self.time) - 1)))
-        if after >= len(self.time):
-            return 0
-        return after - (time - self.time[after - 1] < self.time[after] - time)
-
 
 @dataclass(frozen=True, eq=False)
 class CameraTarget:

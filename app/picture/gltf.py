@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -67,13 +67,13 @@ def arrow(colour: Rgb) -> bytes:
 
 
 @lru_cache(maxsize=8)
-def rod(colour: Rgb, opacity: float = 1.0) -> bytes:
+def rod(colour: Rgb) -> bytes:
     """From the origin along z, of radius 1."""
     import trimesh
 
     body = trimesh.creation.cylinder(1.0, 1.0, sections=6)
     body.apply_translation([0.0, 0.0, 0.5])
-    return solid(body, colour, opacity)
+    return solid(body, colour)
 
 
 @lru_cache(maxsize=4)
@@ -124,11 +124,12 @@ def triad() -> bytes:
     return mesh.export(file_type="glb", include_normals=True)
 
 
-@lru_cache(maxsize=2)
-def soft_disc(rings: int = 5, sections: int = 24) -> bytes:
+@cache
+def soft_disc() -> bytes:
     """A dark disc of radius 1 at z = 0 that fades towards its edge."""
     import trimesh
 
+    rings, sections = 5, 24
     radius = np.linspace(0.0, 1.0, rings + 1)[1:]
     angle = np.linspace(0.0, 2 * np.pi, sections, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle), np.zeros(sections)], axis=1)

@@ -107,7 +107,6 @@ class AtlasDrawing:
         self._controls, self._link, self._atlases = controls, link, atlases
         self._made_of: tuple[Any, ...] = ()
         self._sent: dict[str, Any] | None = None
-        self._axes: tuple[Axis, Axis] | None = None
 
     def draw(self, state: TabState) -> None:
         """Draw what has changed, once the page has shown the atlas."""
@@ -127,7 +126,7 @@ class AtlasDrawing:
         jump = state.design.jump
         made_of = (state.atlas, jump.robot, jump.model, jump.type, found, hidden)
         if made_of != self._made_of:
-            self._made_of, self._axes = made_of, axes
+            self._made_of = made_of
             self._show(state, found, design)
         if axes is not None:
             x, y = (design.get(axis.name, 0.0) * axis.scale for axis in axes)

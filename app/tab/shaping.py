@@ -49,9 +49,8 @@ class Apex:
 
 @dataclass(frozen=True)
 class Handles:
-    """Everything that can be dragged in a timeline; starts: s, of the phases, and the end."""
+    """Everything that can be dragged in a timeline."""
 
-    starts: tuple[float, ...]
     edges: tuple[Edge, ...]
     apex: Apex | None
 
@@ -71,7 +70,7 @@ def handles_of(state: TabState) -> Handles | None:
     plan = shown.plan
     if (plan.jump.robot, plan.jump.type) != (design.jump.robot, design.jump.type):
         return None
-    return Handles(tuple(plan.phase_start.tolist()), _edges(plan, robot), _apex(plan))
+    return Handles(_edges(plan, robot), _apex(plan))
 
 
 def _edges(plan: Plan, robot: Robot) -> tuple[Edge, ...]:

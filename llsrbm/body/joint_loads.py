@@ -56,8 +56,7 @@ class JointLoads:
     # the force is the plan's own balance of linear momentum.
     base_residual: Array
     foot_residual: Array  # (N,) m: what inverse kinematics could not reach
-    knot_position: Array  # (N+1, J) at the knots
-    knot_velocity: Array  # (N+1, J) at the knots
+    knot_velocity: Array  # (N+1, J) rad/s or m/s at the knots
     # (N, J) where a leg's foot leaves the ground as the interval ends or has met it as it begins,
     # that knot's velocity, and what is available there for the interval's torque; else NaN.
     edge_velocity: Array
@@ -155,7 +154,6 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         torque_available=torque_in_direction(robot, velocity, torque),
         base_residual=effort[:, :_BASE],
         foot_residual=postures.residual_m,
-        knot_position=angles,
         knot_velocity=knot_velocity,
         edge_velocity=edge_velocity,
         edge_available=torque_in_direction(robot, edge_velocity, torque),

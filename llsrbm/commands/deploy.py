@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import gc
 import json
-import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -16,6 +15,7 @@ import typer
 from llsrbm.commands import console, options
 from llsrbm.commands.streams import OutputLost
 from llsrbm.errors import Error, InputError, require
+from llsrbm.signals import stop_on_signal
 
 if TYPE_CHECKING:
     from llsrbm.player import Ended, Player, Tier
@@ -196,19 +196,14 @@ def _play(ready: _Ready, wire: _Wire, *, quiet: bool) -> tuple[Ended, Player, st
             print(f"{'release':<10}{done}", flush=True)
         tier = ready.make()
         player = Player(tier, link, time.monotonic, announce)
-        handlers = {
-            number: signal.signal(number, lambda *_, reason=reason: player.stop(reason))
-            for number, reason in ((signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "it was told to"))
-        }
-        gc.collect()
-        gc.disable()  # a collection takes several periods
-        try:
-            return player.run(), player, tier.name
-        finally:
-            gc.enable()
-            link.close()
-            for number, handler in handlers.items():
-                signal.signal(number, handler)
+        with stop_on_signal(player.stop):
+            gc.collect()
+            gc.disable()  # a collection takes several periods
+            try:
+                return player.run(), player, tier.name
+            finally:
+                gc.enable()
+                link.close()
 
 
 def _result(ended: Ended, player: Player, tier: str, log: Path) -> dict[str, Any]:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from llsrbm.commands import console, options
 from llsrbm.errors import Error, InputError, require
+from llsrbm.signals import stop_on_signal
 
 if TYPE_CHECKING:
     from llsrbm.motion.surroundings import Surroundings
@@ -92,8 +91,7 @@ def robot_sim_command(
             from llsrbm.wire.real_time import go_first
 
             go_first()  # threads that are begun from here on do, too
-        held_by = _OWN_CONTROLLER if held else ""
-        wire = _Wire(interface, domain, held_by)
+        wire = interface, domain, _OWN_CONTROLLER if held else ""
         simulated, end = _begun(robot, wire, plan, conditions, seed, hung=hung)
         if not as_json:
             does = "hangs" if hung else "stands"
@@ -103,23 +101,16 @@ def robot_sim_command(
     return console.DONE
 
 
-class _Wire(NamedTuple):
-    """Where the robot is, and what commands it at first."""
-
-    interface: str
-    domain: int | None
-    held_by: str
-
-
 def _begun(
     name: str,
-    wire: _Wire,
+    wire: tuple[str, int | None, str],
     plan: Path | None,
     conditions: Conditions,
     seed: int,
     *,
     hung: bool,
 ) -> tuple[SimulatedRobot, DdsRobot]:
+    """`wire`: interface, domain, and the robot's own controller that commands it at first."""
     from llsrbm.robots import load_robot
     from llsrbm.wire.dds import DdsRobot
     from llsrbm.wire.motor_map import MotorMap
@@ -143,11 +134,6 @@ def _run(simulated: SimulatedRobot, end: DdsRobot, duration: float | None) -> di
     from llsrbm.simulation.world import Diverged
     from llsrbm.wire.real_time import run
 
-    stop = threading.Event()
-    handlers = {
-        number: signal.signal(number, lambda *_: stop.set())
-        for number in (signal.SIGINT, signal.SIGTERM)
-    }
     touches: dict[Touch, float] = {}
 
     def note(tick: TrueTick) -> None:
@@ -155,14 +141,13 @@ def _run(simulated: SimulatedRobot, end: DdsRobot, duration: float | None) -> di
             touches.setdefault(touch, time)
 
     simulated.observers.append(note)
-    try:
-        kept = run(simulated, end, math.inf if duration is None else duration, stop.is_set)
-    except Diverged as error:
-        raise Error(str(error)) from error
-    finally:
-        end.close()
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
+    with stop_on_signal() as stop:
+        try:
+            kept = run(simulated, end, math.inf if duration is None else duration, stop.is_set)
+        except Diverged as error:
+            raise Error(str(error)) from error
+        finally:
+            end.close()
     return _result(simulated, kept, end.refused, touches)
 
 

@@ -22,20 +22,21 @@ from llsrbm.errors import InputError, printable
 
 T = TypeVar("T")
 
+_SHOWN = 20  # names in a message, of more the nearest
 _LONGEST_NAME = 100  # characters; messages and pages show names in a line
 
 
 # ---- names
 
 
-def choices(given: str, valid: Iterable[str], shown: int = 20) -> str:
+def choices(given: str, valid: Iterable[str]) -> str:
     """The part of a message that names the accepted values, the closest match first."""
     names = list(valid)
     close = difflib.get_close_matches(given, names, n=1)
-    listed = ", ".join(names[:shown])
-    if len(names) > shown:
-        nearest = difflib.get_close_matches(given, names, n=shown, cutoff=0.0)
-        listed = ", ".join(nearest) + f" and {len(names) - shown} more"
+    listed = ", ".join(names[:_SHOWN])
+    if len(names) > _SHOWN:
+        nearest = difflib.get_close_matches(given, names, n=_SHOWN, cutoff=0.0)
+        listed = ", ".join(nearest) + f" and {len(names) - _SHOWN} more"
     return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
 
 

@@ -41,7 +41,7 @@ _FEWEST_SAMPLES = 200
 _log = logging.getLogger(__name__)
 
 
-def fit_legs(robot: Robot, samples: int = 1600, seed: int = 0) -> LegFit:
+def fit_legs(robot: Robot, samples: int = 1600) -> LegFit:
     """Fit the leg maps to about `samples` postures of the robot's legs within its reach.
 
     `samples` foot positions are shared among the legs.
@@ -49,7 +49,7 @@ def fit_legs(robot: Robot, samples: int = 1600, seed: int = 0) -> LegFit:
     Raises:
         RobotFileError: too few places in the reach box can be reached by the legs.
     """
-    x, com, com_slope, inertia, spin = _sample(robot, samples, seed)
+    x, com, com_slope, inertia, spin = _sample(robot, samples)
     one, two = affine_features(x), quadratic_features(x)
     com_affine = _fit_with_slopes(one, affine_slopes(x), com, com_slope)
     com_quadratic = _fit_with_slopes(two, quadratic_slopes(x), com, com_slope)
@@ -100,11 +100,11 @@ def load_or_fit(robot: Robot) -> LegFit:
     return fit
 
 
-def _sample(robot: Robot, samples: int, seed: int) -> tuple[Array, Array, Array, Array, Array]:
+def _sample(robot: Robot, samples: int) -> tuple[Array, Array, Array, Array, Array]:
     """Foot places x (S, d), c (S, 3), dc/dx (S, 3, d), I_c (S, 3, 3), S (S, 3, d), all mirrored."""
     chains, mirrors, hips = robot.chains, robot.mirrors, robot.hips
     turned = robot.foot_coordinates == 4
-    drawn = _drawn(robot, samples, seed)
+    drawn = _drawn(robot, samples, seed=0)
     det = mirrors.prod(axis=1)
     place, rotation = _places(robot, drawn)
     q, error = solve_legs(chains, place, _standing_angles(robot), rotation)

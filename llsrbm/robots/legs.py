@@ -20,6 +20,8 @@ from llsrbm.mechanics import apply, cross, rotation_vectors
 # m: a sole's turn counts in inverse kinematics as what it moves a point at this distance, which is
 # about where the corners are.
 TURN_ARM = 0.1
+# Inverse kinematics:
+_EXACT, _ITERATIONS, _LONGEST_STEP = 1e-10, 60, 0.12  # m, of an error; steps; m a step
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,8 +233,6 @@ def solve_legs(
     foot: Array,
     q: Array,
     foot_rotation: Array | None = None,
-    tolerance: float = 1e-10,
-    iterations: int = 60,
 ) -> tuple[Array, Array]:
     """Inverse kinematics of each leg alone: feet at `foot` (..., L, 3) m, base frame.
 
@@ -245,8 +245,8 @@ def solve_legs(
     q = np.broadcast_to(q, (*foot.shape[:-1], q.shape[-1])).copy()
     turns = foot_rotation is not None
     error, jacobian = foot_task(chains.motion(q, rotations=turns), foot, foot_rotation)
-    for _ in range(iterations):
-        if np.abs(error).max() < tolerance:
+    for _ in range(_ITERATIONS):
+        if np.abs(error).max() < _EXACT:
             break
         q = q + apply(damped_inverse(jacobian, error), shortened(error))
         motion = chains.motion(q, rotations=turns)
@@ -254,10 +254,10 @@ def solve_legs(
     return q, np.linalg.norm(error, axis=-1)
 
 
-def shortened(error: Array, longest: float = 0.12) -> Array:
+def shortened(error: Array) -> Array:
     """Task errors cut to a step that Newton's linearisation bears, m."""
     length = np.sqrt(np.sum(error * error, axis=-1, keepdims=True))
-    return error * np.minimum(1.0, longest / np.maximum(length, 1e-12))
+    return error * np.minimum(1.0, _LONGEST_STEP / np.maximum(length, 1e-12))
 
 
 def damped_inverse(jacobian: Array, error: Array) -> Array:

@@ -20,10 +20,10 @@ import pytest
 
 import app.designer
 from app.designer import Designer, check_bindable, serve
-from app.serve import stop_on_signal
 from llsrbm import cli
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
+from llsrbm.signals import stop_on_signal
 from tests.app import planners
 from tests.app.planners import SyntheticPlanner
 from tests.app.raw_http import asked
@@ -33,7 +33,7 @@ from tests.app.waits import wait_until
 PROGRAM = """
 import sys
 from app.designer import serve
-from app.serve import stop_on_signal
+from llsrbm.signals import stop_on_signal
 from tests.app.planners import SyntheticPlanner
 if __name__ == "__main__":
     with stop_on_signal() as stop:

@@ -192,11 +192,6 @@ class Task:
         object.__setattr__(self, "robot", robot)
 
     @property
-    def start_momentum(self) -> Array:
-        """(3,) kg m2/s, angular, about the CoM; zero unless it is under way."""
-        return np.zeros(3) if self.motion is None else self.motion.momentum
-
-    @property
     def joints(self) -> int:
         """J."""
         return len(self.robot.joint_names)

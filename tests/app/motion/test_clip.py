@@ -72,13 +72,3 @@ def test_neighbouring_quaternions_can_be_mixed(values):
     sent = nodes["/a"][1].astype(float)
     assert (np.sum(sent[1:] * sent[:-1], axis=1) >= -1e-6).all()
     assert np.minimum(np.abs(sent - wxyz), np.abs(sent + wxyz)).max() < 1e-6
-
-
-@given(
-    st.lists(st.floats(0.001, 1), max_size=9).map(lambda steps: np.cumsum([0.0, *steps])),
-    st.floats(-1, 10),
-)
-def test_frame_at_is_the_nearest(times, instant):
-    frame = AnimationChannel(times, ()).frame_at(instant)
-    assert 0 <= frame < len(times)
-    assert abs(times[frame] - instant) == np.abs(times - instant).min()

@@ -16,8 +16,6 @@ from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
-_BOX = [f"reach_{axis}_{end}" for axis in "xyz" for end in ("min", "max")]
-
 
 class Reach(Constraint):
     """l_min <= |x_i| <= l_max from the hip, and a box about it in the hip's mirrored axes.
