@@ -117,7 +117,7 @@ class Designer:
     def warm_up(self, robot: str) -> None:
         """Prepare a robot, load the solver of every model, and show each step on the terminal."""
         first = example(robot)
-        others = [name for name in models.names() if name != first.model]
+        others = [name for name in models.MODELS if name != first.model]
         jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
         self.initial.recall(robot)
         if self.initial.note:

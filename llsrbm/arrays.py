@@ -1,4 +1,4 @@
-"""Types of NumPy arrays, by what they hold; docstrings say their shapes."""
+"""Types of NumPy arrays, by what they hold, and stretches of flags; docstrings say the shapes."""
 
 from __future__ import annotations
 
@@ -8,3 +8,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+
+
+def stretches(on: BoolArray) -> list[tuple[int, int]]:
+    """[start, end) of each stretch of True in (T,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
+    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]

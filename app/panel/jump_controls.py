@@ -213,7 +213,7 @@ TURN: Field[Jump] = Field(
 
 def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
     names = {file.title: name for name, file in robots.items()}
-    models_by_title = {title_of_model(name): name for name in models.names()}
+    models_by_title = {title_of_model(name): name for name in models.MODELS}
     return (
         Field(
             "Robot",

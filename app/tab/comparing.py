@@ -45,7 +45,7 @@ def compare_models(state: TabState) -> Step:
     design, jump = state.design, state.design.jump
     ways = [
         (title_of_model(name), replace(design, jump=replace(jump, model=name)))
-        for name in models.names()
+        for name in models.MODELS
     ]
     plans = [_plan_of(state, way) for _, way in ways]
     plan = state.plan

@@ -71,7 +71,7 @@ def check_offered(jump: Jump, where: str) -> None:
     """
     for key, value, valid in (
         ("robot", jump.robot, names()),
-        ("model", jump.model, models.names()),
+        ("model", jump.model, tuple(models.MODELS)),
         ("type", jump.type, tuple(jump_types.names())),
     ):
         if value not in valid:

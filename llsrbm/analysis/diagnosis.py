@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from llsrbm.arrays import Array, BoolArray, IntArray
+from llsrbm.arrays import Array, IntArray, stretches
 from llsrbm.mechanics import rotation_matrices, turned
 from llsrbm.motion.outcome import SATURATED
 from llsrbm.motion.rollout import Rollout
@@ -103,12 +103,6 @@ def _planned_touchdowns(rollout: Rollout, schedule: Schedule) -> dict[int, float
         begun = int(np.argmax(rollout.phase == flight))
         ends[flight] = float(rollout.time[begun] + length[flight])
     return ends
-
-
-def stretches(on: BoolArray) -> list[tuple[int, int]]:
-    """[start, end) of each stretch of True in (T,)."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], on, [False]]).astype(np.int8)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
 
 # Thresholds in take-off, flight and landing; lengths are shares of the height at which the standing

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-from typing import ClassVar
-
 import numpy as np
 
-from llsrbm.arrays import Array, BoolArray
+from llsrbm.arrays import Array, stretches
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.mechanics import cross
@@ -26,8 +23,7 @@ class Friction(Check):
     hundredth of the weight are left out.
     """
 
-    name: ClassVar[str] = "friction"
-    unit: ClassVar[str] = ""
+    name, unit = "friction", ""
 
     def find(self, motion: SampledMotion) -> Finding:
         """The foot nearest to slipping."""
@@ -49,8 +45,7 @@ class ContactForce(Check):
     worst = 1 + e / (m g), e the largest downward force on a contact, or any on a foot in the air.
     """
 
-    name: ClassVar[str] = "contact_force"
-    unit: ClassVar[str] = "N"
+    name, unit = "contact_force", "N"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The foot that is pulled or floats most."""
@@ -76,15 +71,14 @@ class Slip(Check):
     `limit`: 1 cm; between its knots a plan's feet wander by about half.
     """
 
-    name: ClassVar[str] = "slip"
-    unit: ClassVar[str] = "m"
+    name, unit = "slip", "m"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The foot that moves furthest."""
         moved = np.zeros(motion.contact.shape)
         places, velocities = _feet(motion)
         for leg in range(len(motion.robot.legs)):
-            for first, end in _stances(motion.contact[:, leg]):
+            for first, end in stretches(motion.contact[:, leg]):
                 span = slice(first, end)
                 time = motion.time[span]
                 middle = places[span, leg] - places[first, leg]
@@ -116,9 +110,3 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
         if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
             places[:, i, :, :2] = (at[:, 0] + R @ placed.translation)[:, None, :2]
     return places, speeds
-
-
-def _stances(stands: BoolArray) -> list[tuple[int, int]]:
-    """First sample of each stance, and the one after its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(np.int8)))
-    return [(int(first), int(end)) for first, end in pairwise(edges)][::2]

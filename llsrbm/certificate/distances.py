@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import ClassVar
 
 import coal
 import numpy as np
@@ -33,8 +32,7 @@ class SelfDistance(Check):
     other; at least 5 mm.
     """
 
-    name: ClassVar[str] = "self_distance"
-    unit: ClassVar[str] = "m"
+    name, unit = "self_distance", "m"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The nearest pair of links."""
@@ -57,8 +55,7 @@ class Clearance(Check):
     In another tool's motion the ground alone is known: it is where feet stand.
     """
 
-    name: ClassVar[str] = "clearance"
-    unit: ClassVar[str] = "m"
+    name, unit = "clearance", "m"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The link that is nearest to its surroundings, or deepest in them."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from llsrbm.certificate.finding import Check, Finding
@@ -22,8 +20,7 @@ class Dynamics(Check):
     alone are known, not where they act, and M is left out. `limit`: the weight.
     """
 
-    name: ClassVar[str] = "dynamics"
-    unit: ClassVar[str] = "N"
+    name, unit = "dynamics", "N"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The largest remainder, force or moment."""

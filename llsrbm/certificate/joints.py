@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 import numpy as np
 
 from llsrbm.certificate.finding import Check, Finding
@@ -18,8 +16,7 @@ class JointPosition(Check):
     m; so 1.01 is one hundredth of the range beyond. `limit` is that stop.
     """
 
-    name: ClassVar[str] = "joint_position"
-    unit: ClassVar[str] = "rad"
+    name, unit = "joint_position", "rad"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The joint that comes nearest to a stop, or furthest beyond one."""
@@ -37,8 +34,7 @@ class JointPosition(Check):
 class JointSpeed(Check):
     """Joints within the speed of their drives: worst = |v| / v_max."""
 
-    name: ClassVar[str] = "joint_speed"
-    unit: ClassVar[str] = "rad/s"
+    name, unit = "joint_speed", "rad/s"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The fastest joint."""
@@ -54,8 +50,7 @@ class JointTorque(Check):
     rollout it is the recorded torque.
     """
 
-    name: ClassVar[str] = "joint_torque"
-    unit: ClassVar[str] = "Nm"
+    name, unit = "joint_torque", "Nm"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The most loaded joint."""
@@ -74,8 +69,7 @@ class TorqueAtSpeed(Check):
     that it has at that speed.
     """
 
-    name: ClassVar[str] = "torque_at_speed"
-    unit: ClassVar[str] = "Nm"
+    name, unit = "torque_at_speed", "Nm"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The joint nearest to the end of its drive's region, or furthest beyond."""

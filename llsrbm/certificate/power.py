@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -129,8 +129,7 @@ class DrivePower:
 class Regeneration(Check):
     """Each drive takes back no more than its file's `limits.regeneration`: worst = -P / that."""
 
-    name: ClassVar[str] = "regeneration"
-    unit: ClassVar[str] = "W"
+    name, unit = "regeneration", "W"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The drive that takes back most."""
@@ -161,8 +160,7 @@ class _PowerCut(Check):
 class BatteryCurrent(_PowerCut):
     """The battery gives and takes back the currents that it can: worst = |I| / I_max."""
 
-    name: ClassVar[str] = "battery_current"
-    unit: ClassVar[str] = "A"
+    name, unit = "battery_current", "A"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The larger share, of what it gives or of what it takes back."""
@@ -182,8 +180,7 @@ class BatteryCurrent(_PowerCut):
 class WindingHeat(_PowerCut):
     """Heat in each winding over the motion, all of which stays there: worst = Q / Q_max."""
 
-    name: ClassVar[str] = "winding_heat"
-    unit: ClassVar[str] = "J"
+    name, unit = "winding_heat", "J"
 
     def find(self, motion: SampledMotion) -> Finding:
         """The drive that comes nearest to its limit."""

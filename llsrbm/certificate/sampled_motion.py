@@ -177,7 +177,7 @@ def _of_rollout(rollout: Rollout) -> SampledMotion:
     return SampledMotion(
         source=rollout,
         robot=robot,
-        model=_with_trunk(robot.model, rollout.disturbance.trunk_mass_factor),
+        model=rollout.disturbance.model(robot),
         time=times,
         q=q,
         v=v,
@@ -223,13 +223,3 @@ def _of_states(motion: WholeBodyMotion) -> SampledMotion:
         friction=robot.file.limits.friction,
         whole_feet=not robot.file.foot.is_point,
     )
-
-
-def _with_trunk(model: pin.Model, factor: float) -> pin.Model:
-    """The model whose root body has `factor` times its mass and inertia, as simulated."""
-    if factor == 1.0:
-        return model
-    other = model.copy()
-    trunk = model.inertias[1]
-    other.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
-    return other

@@ -252,23 +252,14 @@ class NormDetector(Detector):
         return self.signal > self.threshold
 
 
-_DETECTORS: dict[str, type[Detector]] = {
+DETECTORS: dict[str, type[Detector]] = {
     detector.name: detector for detector in (ResidualDetector, NormDetector)
 }
-
-
-def names() -> tuple[str, ...]:
-    """The detectors' names, the default first."""
-    return tuple(_DETECTORS)
-
-
-def check_name(name: str) -> None:
-    """Raise `InputError`, naming the valid ones, for a name that is no detector's."""
-    look_up("detector", name, _DETECTORS)
+"""By name, the default first."""
 
 
 def make_detector(name: str, tick: float, uncertainty: ModelUncertainty) -> Detector:
     """The detector called `name`. `tick`: s between its updates; `uncertainty`: of the model that
     the centroidal states are computed with. Raises `InputError`: no detector has that name.
     """
-    return look_up("detector", name, _DETECTORS)(tick, uncertainty)
+    return look_up("detector", name, DETECTORS)(tick, uncertainty)

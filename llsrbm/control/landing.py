@@ -58,11 +58,6 @@ def names() -> dict[str, str]:
     return {AUTO: _AUTO} | {name: one.description for name, one in _STRATEGIES.items()}
 
 
-def check_name(name: str) -> None:
-    """Raise `InputError`, naming the valid ones, for a name that is no strategy's."""
-    look_up("landing strategy", name, names())
-
-
 def resolved(name: str, force_phase: float, *, turns: bool = False) -> str:
     """The strategy of a name, or of "auto" on a robot that follows forces for `force_phase`, s.
 
@@ -70,7 +65,7 @@ def resolved(name: str, force_phase: float, *, turns: bool = False) -> str:
 
     Raises `InputError`: no such strategy, or one that follows forces on a robot that never does.
     """
-    check_name(name)
+    look_up("landing strategy", name, names())
     if name == AUTO:
         return "scaled" if force_phase > 0 and not turns else "tracking"
     if _STRATEGIES[name].follows_forces and force_phase == 0:

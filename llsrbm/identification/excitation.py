@@ -210,11 +210,9 @@ class Excitation(Tier):
 
     @property
     def end(self) -> float:
-        """See `Tier`."""
         return self.sines.duration
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
-        """See `Tier`."""
         q, v, a = (each[0] for each in self.sines.at(np.array([time])))
         self._planned = Planned(q, self.first.planned.up)
         torque = _torque(self.robot, q, v, a)
@@ -223,7 +221,6 @@ class Excitation(Tier):
         return MotorCommand.of_torque(np.clip(torque, -most, most))
 
     def planned(self, time: float) -> Planned:
-        """See `Tier`."""
         del time
         return self._planned
 

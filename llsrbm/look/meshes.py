@@ -44,9 +44,7 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
     """
     import fast_simplification
     import trimesh
-    from scipy.spatial import cKDTree
 
-    colours, places = np.asarray(part.visual.vertex_colors)[:, :3], np.asarray(part.vertices)
     mesh = part
     if len(mesh.faces) > faces:
         mesh = _without_specks(_clustered(mesh, 0.004 * size), 0.03 * size)
@@ -59,22 +57,11 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
     mesh = _clustered(mesh, 1e-5 * size)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
-    creased = trimesh.graph.smooth_shade(mesh, angle=_CREASE, facet_minarea=None)
-    nearest = cKDTree(places).query(np.asarray(creased.vertices))[1]
-    return trimesh.Trimesh(
-        creased.vertices,
-        creased.faces,
-        vertex_normals=creased.vertex_normals,
-        vertex_colors=colours[nearest],
-        process=False,
-    )
+    return _creased(mesh, _CREASE, part)
 
 
 def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     """The surface with about a third of the faces, coloured as it was nearby; `size`: m."""
-    import trimesh
-    from scipy.spatial import cKDTree
-
     # Not collapsed edge by edge, which would tear thin tubes of few and long triangles.
     colours = np.asarray(part.visual.vertex_colors)[:, :3]
     piece = _pieces(part, 1e-5 * size)
@@ -83,27 +70,40 @@ def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     apart = np.column_stack([piece, colours >> 6])  # what is another colour stays so
     mesh = _clustered(part, cell[piece, None], apart)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
-    mesh = trimesh.graph.smooth_shade(mesh, angle=_COARSE_CREASE, facet_minarea=None)
-    nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(mesh.vertices))[1]
+    return _creased(mesh, _COARSE_CREASE, part)
+
+
+def _creased(mesh: trimesh.Trimesh, angle: float, part: trimesh.Trimesh) -> trimesh.Trimesh:
+    """The mesh with edges sharper than `angle`, rad, kept sharp, coloured as `part` is nearby."""
+    import trimesh
+    from scipy.spatial import cKDTree
+
+    smooth = trimesh.graph.smooth_shade(mesh, angle=angle, facet_minarea=None)
+    nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(smooth.vertices))[1]
     return trimesh.Trimesh(
-        mesh.vertices,
-        mesh.faces,
-        vertex_normals=mesh.vertex_normals,
-        vertex_colors=colours[nearest],
+        smooth.vertices,
+        smooth.faces,
+        vertex_normals=smooth.vertex_normals,
+        vertex_colors=np.asarray(part.visual.vertex_colors)[nearest, :3],
         process=False,
     )
 
 
 def _pieces(mesh: trimesh.Trimesh, cell: float) -> IntArray:
     """(V,) number of the connected piece that each vertex is of; vertices in one place are one."""
+    cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
+    place = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
+    edges = place[mesh.faces[:, [0, 1, 1, 2]]].reshape(-1, 2)
+    return _connected(edges, place.max() + 1)[place]
+
+
+def _connected(edges: IntArray, count: int) -> IntArray:
+    """(count,) number of the connected piece of each vertex that edges (E, 2) join."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
-    place = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
-    a, b = place[mesh.faces[:, [0, 1, 1, 2]]].reshape(-1, 2).T
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(place.max() + 1,) * 2)
-    return np.asarray(connected_components(graph, directed=False)[1][place], dtype=np.int64)
+    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _thickness(mesh: trimesh.Trimesh, piece: IntArray) -> Array:
@@ -141,12 +141,8 @@ def _clustered(
 
 def _without_specks(mesh: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     """The mesh without its connected pieces smaller than `size`, m, unless that is all there is."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    edges, count = mesh.edges_unique, len(mesh.vertices)
-    graph = coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count))
-    pieces, label = connected_components(graph, directed=False)
+    label = _connected(mesh.edges_unique, len(mesh.vertices))
+    pieces = label.max() + 1
     low, high = np.full((pieces, 3), np.inf), np.full((pieces, 3), -np.inf)
     np.minimum.at(low, label, mesh.vertices)
     np.maximum.at(high, label, mesh.vertices)

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from llsrbm.arrays import stretches
 from llsrbm.look import palette
 from llsrbm.look.palette import Rgb
 from llsrbm.motion.flights import Flight, flights
@@ -259,7 +260,6 @@ def _planned_and_flown(rollout: Rollout) -> list[tuple[float, Flight]]:
 
 def force_phases(rollout: Rollout) -> list[tuple[float, float]]:
     """(start, end) s of each stretch of time in which forces were tracked."""
-    on = np.concatenate([[False], rollout.mode == Mode.FORCE, [False]])
-    edges = np.flatnonzero(np.diff(on.astype(int)))
     times = np.append(rollout.time, rollout.time[-1])
-    return [(float(times[a]), float(times[b])) for a, b in edges.reshape(-1, 2)]
+    tracked = stretches(rollout.mode == Mode.FORCE)
+    return [(float(times[start]), float(times[end])) for start, end in tracked]

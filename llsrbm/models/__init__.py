@@ -14,16 +14,7 @@ from llsrbm.robots.robot import Robot
 MODELS: dict[str, type[CentroidalModel]] = {
     model.name: model for model in (SRBM, LLSRBM, LLSRBMPlus)
 }
-
-
-def names() -> tuple[str, ...]:
-    """The models' names."""
-    return tuple(MODELS)
-
-
-def check_name(name: str) -> None:
-    """Raise `InputError`, naming the valid ones, for a name that is no model's."""
-    look_up("model", name, MODELS)
+"""By name."""
 
 
 def make_model(name: str, robot: Robot, *, free_arms: bool = False) -> CentroidalModel:

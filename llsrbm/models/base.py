@@ -95,7 +95,7 @@ class CentroidalModel(ABC):
         moves_arms: whether they can be.
     """
 
-    name: ClassVar[str]  # as in `llsrbm.models.names()`
+    name: ClassVar[str]  # as in `llsrbm.models.MODELS`
     summary: ClassVar[str]  # one line for lists
     is_true: ClassVar[bool] = False
     moves_arms: ClassVar[bool] = False

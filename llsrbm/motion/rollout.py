@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
+import pinocchio as pin
 from pydantic import Field
 
 from llsrbm.arrays import Array, IntArray
@@ -86,6 +87,13 @@ class Disturbance:
         """Total mass (kg) that is simulated of a robot that is believed to be `robot`."""
         trunk = float(robot.model.inertias[1].mass)
         return float(robot.mass) + (self.trunk_mass_factor - 1) * trunk
+
+    def model(self, robot: Robot) -> pin.Model:
+        """Likewise, Pinocchio's model: its trunk has more or less mass and inertia."""
+        model, factor = robot.model.copy(), self.trunk_mass_factor
+        trunk = model.inertias[1]
+        model.inertias[1] = pin.Inertia(factor * trunk.mass, trunk.lever, factor * trunk.inertia)
+        return model
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from llsrbm.arrays import Array, BoolArray, IntArray
+from llsrbm.arrays import Array, BoolArray, IntArray, stretches
 from llsrbm.body.momentum import base_velocities, centroidal_states
 from llsrbm.errors import InputError
 from llsrbm.files.quantity import TIME, quantities
@@ -336,18 +336,14 @@ def standing(time: Array, speed: Array, height: Array) -> BoolArray:
     for foot in range(speed.shape[1]):
         level = np.full(len(time), np.inf)
         away = np.full(len(time), np.inf)
-        for first, last in _runs(speed[:, foot] < _STILL):
+        for first, end in stretches(speed[:, foot] < _STILL):
+            last = end - 1
             if time[last] - time[first] < _LONG:
                 continue
             until = np.maximum(np.maximum(time[first] - time, time - time[last]), 0.0)
             nearest = until < away
             away[nearest] = until[nearest]
-            level[nearest] = np.median(height[first : last + 1, foot])
+            level[nearest] = np.median(height[first:end, foot])
         low = np.abs(height[:, foot] - level) < _LEVEL
         stands[:, foot] = low & (speed[:, foot] < _SLIPS)
     return stands
-
-
-def _runs(flags: BoolArray) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(np.int8)))
-    return [(int(first), int(end) - 1) for first, end in edges.reshape(-1, 2)]

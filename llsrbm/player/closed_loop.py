@@ -41,7 +41,6 @@ class ClosedLoop(PlanTier):
         self._unsolved = 0
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
-        """See `Tier`."""
         self.estimate = q, v = self._estimator.update(readings, self.controller.contacts.carrying)
         self.tick = tick = self.controller.step(Measurement(time, q, v, readings.torque))
         solved = tick.command
@@ -51,7 +50,6 @@ class ClosedLoop(PlanTier):
         return replace(MotorCommand.of_torque(solved.torque), dq=speed, kd=self._kd)
 
     def planned(self, time: float) -> Planned:
-        """See `Tier`."""
         if self.tick is None:
             return self.first.planned
         target = self.tick.target
@@ -59,7 +57,6 @@ class ClosedLoop(PlanTier):
 
     @property
     def trouble(self) -> str:
-        """See `Tier`."""
         if self._unsolved < UNSOLVED:
             return ""
         return f"the controller's program was not solved in {self._unsolved} ticks in a row"

@@ -164,7 +164,7 @@ def _rollout(
     seed: int,
 ) -> Rollout:
     plan, robot = tier.plan, tier.robot
-    recorder = Recorder(robot, disturbance.trunk_mass_factor)
+    recorder = Recorder(robot, disturbance)
     begun = witness.seen[0][0].time
     by_clock = None if isinstance(tier, ClosedLoop) else _ByClock(plan, robot)
     fall = None

@@ -69,10 +69,9 @@ class Check(State):
     duration = CHECKS_FOR
 
     def command(self, readings: Readings) -> None:
-        """See `State`."""
+        """Nothing is sent yet."""
 
     def wrong(self, readings: Readings) -> str:
-        """See `State`."""
         first, robot = self.tier.first, self.tier.robot
         if not all(np.isfinite(v).all() for v in (readings.q, readings.dq, readings.quat)):
             return "posture: the readings are not finite"
@@ -101,7 +100,6 @@ class Check(State):
         return Planned(readings.q, up_of_quat(readings.quat))
 
     def following(self, time: float) -> State:
-        """See `State`."""
         return Ramp(self.tier, time)
 
 
@@ -125,7 +123,6 @@ class Ramp(State):
         self._planned = tier.first.planned
 
     def command(self, readings: Readings) -> MotorCommand:
-        """See `State`."""
         first = self.tier.first
         if self._from is None:
             self._from, self._bears = readings.q, readings.torque
@@ -143,7 +140,6 @@ class Ramp(State):
         return command
 
     def wrong(self, readings: Readings) -> str:
-        """See `State`."""
         delay = self._round_trip.delay
         if not self.over(readings.time) or delay <= LATE:
             return ""
@@ -153,13 +149,11 @@ class Ramp(State):
         )
 
     def planned(self, readings: Readings) -> Planned:
-        """See `State`."""
         if self._from is None:
             return Planned(readings.q, self._planned.up)
         return self._planned
 
     def following(self, time: float) -> State:
-        """See `State`."""
         return Stand(self.tier, time)
 
 
@@ -171,15 +165,12 @@ class Stand(State):
     duration = STANDS_FOR
 
     def command(self, readings: Readings) -> MotorCommand:
-        """See `State`."""
         return self.tier.command(readings.time - self.start - self.duration, readings)
 
     def planned(self, readings: Readings) -> Planned:
-        """See `State`."""
         return self.tier.planned(readings.time - self.start - self.duration)
 
     def wrong(self, readings: Readings) -> str:
-        """See `State`."""
         if not self.over(readings.time):
             return self.tier.trouble
         first = self.tier.first
@@ -199,7 +190,6 @@ class Stand(State):
         return ""
 
     def following(self, time: float) -> State:
-        """See `State`."""
         return Jumping(self.tier, time)
 
 
@@ -214,19 +204,15 @@ class Jumping(State):
         self.duration = tier.end
 
     def command(self, readings: Readings) -> MotorCommand:
-        """See `State`."""
         return self.tier.command(readings.time - self.start, readings)
 
     def planned(self, readings: Readings) -> Planned:
-        """See `State`."""
         return self.tier.planned(readings.time - self.start)
 
     def wrong(self, readings: Readings) -> str:
-        """See `State`."""
         return self.tier.trouble
 
     def following(self, time: float) -> State:
-        """See `State`."""
         return Damp(self.tier, time)
 
 
@@ -242,11 +228,9 @@ class Damp(State):
         self.brake = brake(tier.robot)
 
     def command(self, readings: Readings) -> MotorCommand:
-        """See `State`."""
         return self.brake
 
     def following(self, time: float) -> State:
-        """See `State`."""
         return self
 
 

@@ -59,7 +59,6 @@ class Tilt(Stop):
     """The base leans away from its planned attitude, whatever the yaw."""
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         angle = tilt_from(moment.planned.up, moment.readings.quat)
         if angle < TILTED:
             return ""
@@ -82,7 +81,6 @@ class TrackingError(Stop):
         self._ticks = np.zeros(len(self._names), dtype=np.int64)
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         off = np.abs(moment.readings.q - moment.planned.q)
         self._ticks = np.where(off > MAX_TRACKING_ERROR, self._ticks + 1, 0)
         joint = int(self._ticks.argmax())
@@ -102,7 +100,6 @@ class UnresponsiveDrive(Stop):
         self._ticks = np.zeros(len(robot.joint_names), dtype=np.int64)
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         if len(moment.sent) < UNDER_WAY:
             return ""
         readings, robot = moment.readings, self._robot
@@ -129,7 +126,6 @@ class LateReadings(Stop):
         self._ticks = 0
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         apart = moment.now - moment.readings.time
         self._least = min(self._least, apart)
         late = apart - self._least
@@ -158,7 +154,6 @@ class MissedDeadlines(Stop):
         self._missed.append(now - received > DEADLINE)
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         if self._pause > PAUSED:
             return (
                 f"deadlines: the player stood still for {1e3 * self._pause:.0f} ms, at most "
@@ -177,7 +172,6 @@ class Unwell(Stop):
     """Motors are hot or the battery is low, by what the robot says of itself."""
 
     def find(self, moment: Moment) -> str:
-        """See `Stop`."""
         health = moment.health
         if health is None:
             return ""

@@ -37,7 +37,6 @@ class Table(PlanTier):
         self._R = rotation_matrices(motion.base_quat)
 
     def command(self, time: float, readings: Readings) -> MotorCommand:
-        """See `Tier`."""
         del readings
         row = self._row(time + LEAD)
         if time < 0:
@@ -46,7 +45,6 @@ class Table(PlanTier):
         return MotorCommand(self._q[row], self._dq[row], self._tau[row], self._kp, self._kd)
 
     def planned(self, time: float) -> Planned:
-        """See `Tier`."""
         if time < 0:
             return self.first.planned
         row = self._row(time)

@@ -62,5 +62,4 @@ class PlanTier(Tier):
 
     @property
     def end(self) -> float:
-        """See `Tier`."""
         return self.plan.duration + STANDS

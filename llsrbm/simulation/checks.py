@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from llsrbm.control import detection, landing, qp
+from llsrbm.control import landing, qp
+from llsrbm.control.detection import DETECTORS
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.violations import describe_worst
@@ -13,7 +14,7 @@ from llsrbm.request.messages import look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.variants import driven
-from llsrbm.simulation.sensors import check_estimator
+from llsrbm.simulation.sensors import ESTIMATORS
 
 LATENCIES = {"fixed": "the robot file's", "measured": "the computing time, if longer"}
 """Ways to time new plans, see `llsrbm.simulation.replanning`."""
@@ -59,9 +60,9 @@ def check_robot(plan: Plan, robot: Robot) -> None:
 
 def check_scenario(scenario: Scenario, robot: Robot) -> None:
     """Raise `InputError` for a name that is unknown, or a landing that is not for this robot."""
-    detection.check_name(scenario.detector)
+    look_up("detector", scenario.detector, DETECTORS)
     qp.check_name(scenario.solver)
-    check_estimator(scenario.estimator)
+    look_up("estimator", scenario.estimator, ESTIMATORS)
     look_up("replan latency", scenario.replan_latency, LATENCIES)
     driven(robot, scenario.drives)
     landing.resolved(scenario.landing, robot.file.control.force_phase)

@@ -18,6 +18,7 @@ from llsrbm.control.controller import Tick, WholeBodyController
 from llsrbm.control.delay import Measurement
 from llsrbm.errors import Cancelled
 from llsrbm.motion.replan import Replan
+from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import Robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.simulation.sensors import Sensors
@@ -27,13 +28,9 @@ from llsrbm.simulation.world import Diverged, TickResult, World
 class Recorder:
     """Collects ticks; `arrays` has the columns of a `Rollout`; `mass`: kg, that is simulated."""
 
-    def __init__(self, robot: Robot, trunk_mass_factor: float) -> None:
+    def __init__(self, robot: Robot, disturbance: Disturbance) -> None:
         self._robot = robot
-        self._model = robot.model.copy()
-        trunk = self._model.inertias[1]
-        self._model.inertias[1] = pin.Inertia(
-            trunk.mass * trunk_mass_factor, trunk.lever, trunk.inertia * trunk_mass_factor
-        )
+        self._model = disturbance.model(robot)
         self.mass = float(pin.computeTotalMass(self._model))
         self.q: list[Array] = []
         self.v: list[Array] = []

@@ -177,11 +177,6 @@ class Imu(Estimator):
 ESTIMATORS: dict[str, type[Estimator]] = {kind.name: kind for kind in (Truth, Drift, Imu)}
 
 
-def check_estimator(name: str) -> None:
-    """Raise `InputError`, naming the valid ones, for a name that is no estimator's."""
-    look_up("estimator", name, ESTIMATORS)
-
-
 class Sensors:
     """Makes each tick's `Measurement`, the same for the same seed."""
 
@@ -195,8 +190,8 @@ class Sensors:
         self._rng = np.random.default_rng([seed, 1])  # apart from what drew the disturbance
         self._scale = np.full(robot.model.nv, disturbance.joint_velocity_noise)
         self._scale[:6] = disturbance.base_velocity_noise
-        check_estimator(scenario.estimator)
-        self._estimator = ESTIMATORS[scenario.estimator](robot, tick, seed)
+        kind = look_up("estimator", scenario.estimator, ESTIMATORS)
+        self._estimator = kind(robot, tick, seed)
         late = round(self._estimator.delay / tick)
         self._under_way: deque[tuple[Array, Array, Array]] = deque(maxlen=late + 1)
 

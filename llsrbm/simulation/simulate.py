@@ -149,7 +149,7 @@ def simulate(
     pushes = Pushes(plan, scenario, duration)
     world = World(robot, surroundings(robot, plan, scenario), disturbance, tick)
     controller = WholeBodyController(robot, plan, scenario)
-    recorder = Recorder(robot, disturbance.trunk_mass_factor)
+    recorder = Recorder(robot, disturbance)
     sensors = Sensors(robot, disturbance, scenario, tick)
     start = standing_state(robot, plan)
     world.reset(start, starting_velocity(robot, plan, start))

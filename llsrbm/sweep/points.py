@@ -22,7 +22,7 @@ from llsrbm.arrays import Array
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import load_type, with_defaults
-from llsrbm.request.messages import choices
+from llsrbm.request.messages import choices, look_up
 from llsrbm.robots import load_robot
 from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
@@ -90,10 +90,10 @@ class Points:
                 f"the spec asks for {self.rows:.3g} rows; expected at most {MOST_ROWS:.0e}: fewer "
                 "values an axis, or a count with random sampling"
             )
-        from llsrbm.models import check_name
+        from llsrbm.models import MODELS
 
         for model in spec.models:
-            check_name(model)
+            look_up("model", model, MODELS)
         for kind in spec.types:
             load_type(kind)
         self._ranges = {robot: _checked_ranges(robot, spec) for robot in spec.robots}

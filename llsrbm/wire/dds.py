@@ -189,17 +189,16 @@ class _Ends:
     def write(self, record: Record) -> None:
         self._writer.write(self._type(record))
 
-    def taken(self) -> list[Record]:
-        """All that has arrived and was not taken yet."""
-        return [sample.record for sample in self._reader.take(_KEPT) if hasattr(sample, "record")]
+    def taken(self, timeout: float) -> list[Record]:
+        """All that has arrived and was not taken yet, or arrives first within `timeout` s."""
+        samples = self._reader.take(_KEPT)
+        if not samples and self._waiting.wait(duration(seconds=timeout)) > 0:
+            samples = self._reader.take(_KEPT)
+        return [sample.record for sample in samples if hasattr(sample, "record")]
 
     def others(self) -> int:
         """The samples that others have written to the same topic since the last call."""
         return len(self._beside.take(_KEPT))
-
-    def wait(self, timeout: float) -> bool:
-        """Wait until something has arrived, `timeout` s at most; whether it has."""
-        return bool(self._waiting.wait(duration(seconds=timeout)) > 0)
 
     def matched(self) -> bool:
         """True if somebody reads what is written."""
@@ -269,9 +268,7 @@ class DdsLink(Link):
     def receive(self, timeout: float) -> Readings | None:
         """The next reading that was not received yet; None if none arrives within `timeout` s."""
         if not self._arrived:
-            self._arrived.extend(self._ends.taken())
-        if not self._arrived and self._ends.wait(timeout):
-            self._arrived.extend(self._ends.taken())
+            self._arrived.extend(self._ends.taken(timeout))
         if not self._arrived:
             return None
         record = self._arrived.popleft()
@@ -321,10 +318,7 @@ class DdsRobot:
 
     def commands(self, timeout: float) -> list[MotorCommand]:
         """The commands that have arrived, or arrive within `timeout` s: the first ends the wait."""
-        records = self._ends.taken()
-        if not records and timeout > 0 and self._ends.wait(timeout):
-            records = self._ends.taken()
-        commands = [self._messages.command(record) for record in records]
+        commands = [self._messages.command(record) for record in self._ends.taken(timeout)]
         self.refused += commands.count(None)
         return [command for command in commands if command is not None]
 

@@ -15,7 +15,7 @@ ROBOT = load_robot("anymal")
 
 @pytest.fixture(scope="module")
 def twists():
-    return {name: realise(solved(name, "twist").knots) for name in models.names()}
+    return {name: realise(solved(name, "twist").knots) for name in models.MODELS}
 
 
 @pytest.mark.parametrize("request_name", ["twist", "all"])

@@ -47,7 +47,7 @@ def test_commands_parse(command):
         raise
     given = context.params
     _check_names(given.get("robot"), robot_names())
-    _check_names(given.get("model"), models.names())
+    _check_names(given.get("model"), models.MODELS)
     _check_names(given.get("type"), jump_types.names())
     dataset = context.command.name == "dataset"  # its limit is a number of motions
     _check_names(given.get("format_"), [*FORMATS, *(["lerobot"] if dataset else [])])

@@ -12,7 +12,7 @@ from app.motion import colours
 from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Group, Overlay
 from app.picture.picture import Picture
-from llsrbm.arrays import Array, BoolArray
+from llsrbm.arrays import Array, stretches
 
 _RADIUS = 0.018  # m
 
@@ -84,7 +84,7 @@ class Trails(Overlay):
             + [
                 _segments(frames.foot_position[start:end:_ALONG, foot, None])
                 for foot in range(frames.stands.shape[1])
-                for start, end in _stretches(~frames.stands[:, foot])
+                for start, end in stretches(~frames.stands[:, foot])
             ]
         )
         # One colour for all, as when the node was made.
@@ -102,12 +102,6 @@ class Trails(Overlay):
         return self.scene.add_line_segments(
             f"/path/{name}", _NOTHING, colour, thickness=thickness, thickness_units="screen"
         )
-
-
-def _stretches(there: BoolArray) -> list[tuple[int, int]]:
-    """First frame and the one after the last, of each stretch of frames (F,) that are there."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
-    return [(int(start), int(end)) for start, end in edges.reshape(-1, 2)]
 
 
 def _segments(points: Array) -> NDArray[np.float32]:

@@ -10,7 +10,7 @@ from functools import partial
 
 from llsrbm.arrays import Array
 from llsrbm.errors import InputError
-from llsrbm.models import check_name, make_model
+from llsrbm.models import make_model
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.solve_report import NEAREST
@@ -71,7 +71,6 @@ class Planner:
         Raises:
             InputError: an unknown model or solver.
         """
-        check_name(model)
         kind = solvers.by_name(solver)
         when_idle()
         layout = layout or layout_of(Jump(robot=robot.name, model=model), robot)
@@ -350,7 +349,6 @@ def planner_of(
 def is_planner_built(jump: Jump, limits: Mapping[str, float] | None = None) -> bool:
     """Whether `planner_of` takes no building, but a few seconds to load at most; raises as that."""
     robot, model, solver, layout = _own(jump, solvers.names()[0], INTERVALS, None, limits)
-    check_name(model)
     made = make_model(model, robot, free_arms=layout.arm_joints > 0)
     return is_built(solvers.by_name(solver), of_jumps(made, layout, robot))
 

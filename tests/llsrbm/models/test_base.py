@@ -24,7 +24,7 @@ from tests.llsrbm.models.postures import (
 MODELS = {
     (robot, name): models.make_model(name, robot)
     for robot in (ROBOT, SLIDER)
-    for name in models.names()
+    for name in models.MODELS
 }
 every_model = pytest.mark.parametrize(
     ("robot", "model"),
@@ -146,7 +146,7 @@ def test_offset_is_where_the_base_is(robot, bounds):
     beta = np.array([m.beta for m in motions])
     true = np.array([m.offset for m in motions])
     worst = {}
-    for name in models.names():
+    for name in models.MODELS:
         model = MODELS[robot, name]
         offset = evaluate(model, feet_of(model, beta))[0]
         worst[name] = np.linalg.norm(offset - true, axis=1).max()

@@ -34,7 +34,7 @@ def test_an_example_is_within_what_may_be_asked(name):
     design = find_design(name)
     jump, scenario = design.jump, design.scenario
     assert jump.robot in names()
-    assert jump.model in models.names()
+    assert jump.model in models.MODELS
     robot = load_robot(jump.robot)
     make_task(jump, robot, design.tuning.weights, design.tuning.limits)
     check_scenario(scenario, robot)

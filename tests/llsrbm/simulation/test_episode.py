@@ -23,7 +23,7 @@ def episode(*hooks, **scenario):
     disturbance = Disturbance(base_velocity_noise=0.01)
     world = World(ROBOT, surroundings(ROBOT, plan, scenario), disturbance, TICK)
     world.reset(standing_state(ROBOT, plan), np.zeros(18))
-    recorder = Recorder(ROBOT, 1.0)
+    recorder = Recorder(ROBOT, Disturbance())
     controller = WholeBodyController(ROBOT, plan, scenario)
     sensors = Sensors(ROBOT, disturbance, scenario, TICK)
     return Episode(world, sensors, controller, recorder, hooks), recorder

@@ -25,7 +25,7 @@ from tests.llsrbm.control.detection.flights import (
     rotated,
 )
 
-EVERY = pytest.mark.parametrize("name", detection.names())
+EVERY = pytest.mark.parametrize("name", detection.DETECTORS)
 UNCERTAIN = ModelUncertainty(trunk_mass=0.05)  # as from a robot file that states 10 %
 TICKS = pytest.mark.parametrize("tick", [0.0025, 0.001])
 # Touchdown 0.27 s after lift-off at 1.5 m/s; four feet, a foot, and a foot behind the CoM.

@@ -21,7 +21,7 @@ from tests.llsrbm.kinematics import foot_positions
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
 
 every_plan = pytest.mark.parametrize("request_name", REQUESTS)
-every_model = pytest.mark.parametrize("model", models.names())
+every_model = pytest.mark.parametrize("model", models.MODELS)
 ROBOT = load_robot("anymal")
 
 

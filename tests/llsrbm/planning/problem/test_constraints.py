@@ -214,7 +214,7 @@ def test_seen_with_the_right_amount_at_the_right_place(make):
 
 @pytest.mark.parametrize(
     ("model", "request_name"),
-    [*((m, r) for m in models.names() for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
+    [*((m, r) for m in models.MODELS for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
 )
 def test_plans_keep_every_constraint(model, request_name):
     knots = solved(model, request_name).knots
@@ -288,7 +288,7 @@ def feet_in_stance(model, R, position, stood):
     return np.array(feet_seen(model)(*given, np.zeros(model.legs))[0]).T
 
 
-@pytest.mark.parametrize(("model", "robot"), [*((m, "anymal") for m in models.names()), BIPED])
+@pytest.mark.parametrize(("model", "robot"), [*((m, "anymal") for m in models.MODELS), BIPED])
 def test_feet_leave_the_ground_and_meet_it_at_rest(model, robot):
     """Velocities in hip frames at lift-off and touchdown against differences of standing feet's."""
     knots = solved(model, "all" if robot == "anymal" else "twist", robot).knots

@@ -42,7 +42,7 @@ def terms(knots) -> dict[str, float]:
 
 @pytest.mark.parametrize(
     ("model", "request_name"),
-    [*((m, r) for m in models.names() for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
+    [*((m, r) for m in models.MODELS for r in REQUESTS), *(("llsrbm-plus", t) for t in TYPES)],
 )
 def test_the_objective_is_the_weighted_sum(model, request_name):
     s = solved(model, request_name)

@@ -14,7 +14,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import function, parameters, solved
 
-every_model = pytest.mark.parametrize("model", models.names())
+every_model = pytest.mark.parametrize("model", models.MODELS)
 
 
 @cache

@@ -31,7 +31,7 @@ CORNERS = [
 ]
 
 
-@pytest.mark.parametrize("model", models.names())
+@pytest.mark.parametrize("model", models.MODELS)
 @pytest.mark.parametrize("request_", CORNERS, ids=str)
 def test_a_hop_from_start_to_goal(model, request_):
     task = make_task(Jump(**request_), ROBOT)
