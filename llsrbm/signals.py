@@ -12,8 +12,8 @@ _REASONS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "it was told to"}
 
 
 @contextmanager
-def stop_on_signal(told: Callable[[str], object] = lambda _: None) -> Iterator[threading.Event]:
-    """An event that SIGINT and SIGTERM set, with `told` why; the former handlers come back.
+def stop_on_signal(on_stop: Callable[[str], object] = lambda _: None) -> Iterator[threading.Event]:
+    """An event that SIGINT and SIGTERM set, with `on_stop` called with the reason; the former handlers come back.
 
     Set while something is still imported or built, it stops what comes of that.
     """
@@ -21,7 +21,7 @@ def stop_on_signal(told: Callable[[str], object] = lambda _: None) -> Iterator[t
 
     def handle(number: int, _frame: FrameType | None) -> None:
         stop.set()
-        told(_REASONS[signal.Signals(number)])
+        on_stop(_REASONS[signal.Signals(number)])
 
     former = {number: signal.signal(number, handle) for number in _REASONS}
     try:
