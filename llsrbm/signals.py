@@ -13,7 +13,7 @@ _REASONS = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "it was told to"}
 
 @contextmanager
 def stop_on_signal(on_stop: Callable[[str], object] = lambda _: None) -> Iterator[threading.Event]:
-    """An event that SIGINT and SIGTERM set, with `on_stop` called with the reason; the former handlers come back.
+    """An event that SIGINT and SIGTERM set, `on_stop` told why; the former handlers come back.
 
     Set while something is still imported or built, it stops what comes of that.
     """
