@@ -6,6 +6,7 @@ import pytest
 
 from app.link import PushDragged
 from app.panel.acts import Act, Button
+from app.picture.foothold_handles import FootholdMoved
 from app.picture.landing_handle import HandleMoved
 from app.tab import acts
 from app.tab.inbox import End, Inbox
@@ -69,6 +70,10 @@ def taken(*items):
 
 
 GRABBED, LET_GO = HandleMoved(held=True), HandleMoved(held=False)
+GRIPPED, DRAGGED, LEFT = (
+    FootholdMoved(0, held=held, begins=begins)
+    for held, begins in ((True, True), (True, False), (False, False))
+)
 HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True))
 
 
@@ -81,6 +86,8 @@ HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True
         ([Act.UNDO, Act.UNDO], [Act.UNDO, Act.UNDO]),
         ([GRABBED, GRABBED, LET_GO, Act.UNDO], [LET_GO, Act.UNDO]),
         ([HELD, HELD, ENDED, HELD], [ENDED, HELD]),
+        ([GRIPPED, DRAGGED, DRAGGED, LEFT, GRIPPED], [GRIPPED, LEFT, GRIPPED]),
+        ([DRAGGED, FootholdMoved(1, held=True)], [DRAGGED, FootholdMoved(1, held=True)]),
     ],
 )
 def test_only_neighbours_of_a_kind_are_one(items, left):

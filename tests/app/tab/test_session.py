@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import threading
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from viser._assignable_props_api import AssignablePropsBase
 from app.tab.start.initial_plan import example
 from llsrbm import models
 from llsrbm.formats import FORMATS
+from llsrbm.mechanics import turns_about_z
 from llsrbm.robots import load_robot, names
 from tests.app import planners
 from tests.app.raw_tab import RawTab, choose, planned
@@ -126,9 +128,9 @@ def test_a_crash_is_shown_and_survived(tab, session, capfd):
     tab.wait_for_status("Feasible")
 
 
-def drag(tab, session, wxyz, position):
-    """As viser's page does when the landing handle is dragged and let go."""
-    names = {"name": "/goal", "owner": str(session._client.client_id)}
+def drag(tab, session, wxyz, position, name="/goal"):
+    """As viser's page does when a handle is dragged and let go."""
+    names = {"name": name, "owner": str(session._client.client_id)}
     pose = {"wxyz": wxyz, "position": position}
     tab.send({"type": "TransformControlsDragStartMessage", **names})
     tab.send({"type": "TransformControlsUpdateMessage", **pose, **names})
@@ -147,6 +149,19 @@ def test_the_landing_handle_moves_the_sliders_and_the_plan(tab, session):
         lambda: list(tab.nodes["/goal"].get("position", ())) == pytest.approx([0.35, -0.12, 0]),
         "the handle",
     )
+
+
+def test_a_foots_handle_moves_where_it_alone_lands(tab, session):
+    foot, jump = "/footholds/1", session.state.design.jump
+    tab.wait(lambda: "position" in tab.nodes.get(foot, {}), "the handle")
+    at = np.array(tab.nodes[foot]["position"])
+    ahead = turns_about_z(jump.twist) @ [0.05, 0.02, 0.0]
+    drag(tab, session, tab.nodes[foot]["wxyz"], tuple((at + ahead).tolist()), foot)
+    moved = planned(tab, session, lambda jump: bool(jump.stones), "the plan").jump
+    assert moved == replace(jump, stones={"RF": (0.05, 0.02)})
+    tab.press("Undo")
+    planned(tab, session, lambda now: now == jump, "the plan before")
+    tab.wait(lambda: list(tab.nodes[foot]["position"]) == pytest.approx(at), "the handle")
 
 
 def test_tabs_do_not_see_each_other(designer, tab, session):

@@ -9,6 +9,7 @@ import pytest
 
 import llsrbm
 from llsrbm.errors import Cancelled, InputError, JointNeed, NotConverged, Stop
+from llsrbm.mechanics import turns_about_z
 from llsrbm.ocp.solvers import FROM_GUESS
 from llsrbm.planning.answer.nearest import STEPS, distance, find_nearest
 from llsrbm.planning.answer.planner import BY_NEARER, planner_for, planner_of
@@ -48,6 +49,17 @@ def test_it_is_a_plan_of_a_round_request():
     # Where it ends, from its arrays alone.
     turned = plan.base_quat[-1]
     assert 2 * math.atan2(turned[3], turned[0]) == pytest.approx(plan.jump.twist, abs=2e-3)
+
+
+def test_its_single_feet_land_where_they_shall():
+    stones = {"LF": (0.05, 0.03), "RH": (-0.03, 0.0)}
+    plan = refusal(replace(FAR, stones=stones)).nearest
+    assert plan.solved
+    assert plan.jump == replace(FAR, stones=stones, twist=plan.jump.twist)
+    assert 100 < math.degrees(plan.jump.twist) < 170
+    aside = plan.foot_position[-1] @ turns_about_z(plan.jump.twist) - ANYMAL.feet
+    expected = [(0.05, 0.03, 0), (0, 0, 0), (0, 0, 0), (-0.03, 0, 0)]
+    np.testing.assert_allclose(aside, expected, atol=1e-6)
 
 
 def test_much_more_cannot_be_planned():
