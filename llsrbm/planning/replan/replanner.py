@@ -387,7 +387,11 @@ class Replanner:
             joint_velocity=None,
             joint_torque=None,
             joint_torque_limit=None,
+            feedback_gain=None,
             solution=None,
+            # Its knots are the first stage's from there on.
+            refinement=None,
+            certificate=None,
         )
 
 

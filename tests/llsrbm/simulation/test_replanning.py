@@ -150,6 +150,21 @@ def test_pushes_in_mid_flight_are_recovered_from_only_by_planning_anew(takes):
     assert tilt[1] < 0.7 * tilt[0]
 
 
+def test_the_whole_bodys_plan_is_planned_anew_with_its_feet_where_they_shall_land(takes):
+    takes(0.0)
+    jump = llsrbm.Jump(robot="go2", twist=0.5, forward=0.1, stones={"FL": (0.03, 0.02)})
+    plan = llsrbm.plan(jump)
+    assert plan.certified
+    push = Push(float(plan.phase_start[1]) + 0.05, (0.0, 6.0, 0.0))
+    rollout = simulate(plan, load_robot("go2"), Scenario(pushes=(push,), replan=True))
+    assert rollout.landed
+    followed = [each for each in rollout.replans if np.isfinite(each.applied)]
+    assert followed
+    # All feet by as much, as far as the push has moved the robot.
+    moved = followed[-1].foot_position[-1] - plan.foot_position[-1]
+    np.testing.assert_allclose(moved - moved.mean(axis=0), 0.0, atol=0.01)
+
+
 def test_what_is_recorded_is_what_was_followed(takes, tmp_path):
     takes(0.01)
     gently = (Push(middle(), (0.0, 8.0, 0.0)),)
