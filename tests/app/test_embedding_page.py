@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import http.server
 import shutil
@@ -12,7 +13,7 @@ import pytest
 from llsrbm.formats import export
 from llsrbm.request.jump import Jump
 from tests.app.axe import findings
-from tests.app.chromium import VIEW
+from tests.app.chromium import visitor
 from tests.app.synthetic_plan import synthetic_plan
 from tests.app.waits import wait_until
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
@@ -57,21 +58,26 @@ def site(folder):
     server.shutdown()
 
 
-@pytest.fixture(params=["disk", "server"])
+@pytest.fixture(scope="module", params=["disk", "server"])
 def page(request, browser, folder):
+    """Its tests share it: one that loads another motion comes after those of the first."""
     base = folder.as_uri() if request.param == "disk" else request.getfixturevalue("site")
-    yield from shown(browser, lambda page: page.goto(f"{base}/page.html"))
+    yield from shown(browser, f"{base}/page.html")
 
 
-def shown(browser, show):
-    page = browser.new_page(viewport=VIEW)
-    page.faults = []
-    page.on("pageerror", lambda error: page.faults.append(str(error)))
-    show(page)
-    page.wait_for_function("latest('ready')?.end > 0")
-    yield page
-    assert page.faults == []
-    page.close()
+@pytest.fixture(scope="module")
+def served(browser, site):
+    yield from shown(browser, f"{site}/page.html")
+
+
+def shown(browser, address):
+    with contextlib.closing(visitor(browser)) as context:
+        page, faults = context.new_page(), []
+        page.on("pageerror", lambda error: faults.append(str(error)))
+        page.goto(address)
+        page.wait_for_function("latest('ready')?.end > 0")
+        yield page
+        assert faults == []
 
 
 def test_it_plays_pauses_and_goes_where_it_is_sent(page):
@@ -105,30 +111,28 @@ def test_another_motion_is_loaded_by_its_address(page):
     assert page.evaluate("latest('ready').end") > end
 
 
-def test_another_motion_is_loaded_by_its_bytes(browser, site):
-    for page in shown(browser, lambda page: page.goto(f"{site}/page.html")):
-        page.evaluate("""async () => {
-          const bytes = await (await fetch("other.html")).arrayBuffer();
-          heard.length = 0;
-          say("load", bytes);
-        }""")
-        page.wait_for_function("latest('ready')?.end > 2")
+def test_a_script_of_the_same_origin_calls_it(served):
+    served.evaluate("""() => {
+      window.inner = document.querySelector("iframe").contentWindow;
+      inner.addEventListener("llsrbm-frame", ({ detail }) => (window.told = detail.time));
+      inner.llsrbm.replay.pause();
+      inner.llsrbm.replay.seek(0.3);
+    }""")
+    served.wait_for_function("told === 0.3 && inner.llsrbm.replay.time === 0.3")
+    assert not served.evaluate("inner.llsrbm.replay.playing")
 
 
-def test_a_script_of_the_same_origin_calls_it(browser, site):
-    for page in shown(browser, lambda page: page.goto(f"{site}/page.html")):
-        page.evaluate("""() => {
-          window.inner = document.querySelector("iframe").contentWindow;
-          inner.addEventListener("llsrbm-frame", ({ detail }) => (window.told = detail.time));
-          inner.llsrbm.replay.pause();
-          inner.llsrbm.replay.seek(0.3);
-        }""")
-        page.wait_for_function("told === 0.3 && inner.llsrbm.replay.time === 0.3")
-        assert not page.evaluate("inner.llsrbm.replay.playing")
+def test_another_motion_is_loaded_by_its_bytes(served):
+    served.evaluate("""async () => {
+      const bytes = await (await fetch("other.html")).arrayBuffer();
+      heard.length = 0;
+      say("load", bytes);
+    }""")
+    served.wait_for_function("latest('ready')?.end > 2")
 
 
 def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser, site):
-    for page in shown(browser, lambda page: page.goto(f"{site}/notebook.html")):
+    for page in shown(browser, f"{site}/notebook.html"):
         (_, frame) = page.frames
         assert frame.evaluate("window.origin") == "null"
         frame.wait_for_function("llsrbm.player.frames > 5")
@@ -139,12 +143,12 @@ def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser, 
 
 @pytest.fixture(scope="module")
 def replay(browser, folder):
-    page = browser.new_page(viewport=VIEW)
-    page.goto((folder / "other.html").as_uri())
-    page.wait_for_function("window.llsrbm?.player.clip")
-    page.evaluate("llsrbm.replay.pause()")
-    yield page
-    page.close()
+    with contextlib.closing(visitor(browser)) as context:
+        page = context.new_page()
+        page.goto((folder / "other.html").as_uri())
+        page.wait_for_function("window.llsrbm?.player.clip")
+        page.evaluate("llsrbm.replay.pause()")
+        yield page
 
 
 def test_its_charts_are_of_plan_and_simulation_and_go_where_they_are_pressed(replay):

@@ -46,7 +46,7 @@ TURNING = {
 def turning(request):
     jump = Jump(**TURNING[request.param])
     planner = planner_of(jump)
-    planner.plan(jump)
+    planner.plan(jump, patient=False)
     return realise(planner.last_knots())
 
 

@@ -230,7 +230,8 @@ BINDING = {
 
 def planned(motion, weights, limits):
     jump = Jump(**motion)
-    return planner_of(jump, limits=limits).plan(jump, weights=weights, limits=limits)
+    planner = planner_of(jump, limits=limits)
+    return planner.plan(jump, weights=weights, limits=limits, patient=False)
 
 
 @cache
