@@ -87,8 +87,9 @@ def pytest_runtest_call(item):
 def pytest_xdist_make_scheduler(config, log):
     """A free process takes the longest file that uses nothing which another one is just making.
 
-    A solver is built once, for what one process has built the others read from the cache. Chromium
-    is one process' alone.
+    A solver is built once, for what one process has built the others read from the cache; and those
+    that a process has it need not read, nor plan again what others of its files have planned with
+    them. Chromium is one process' alone.
     """
     from xdist.scheduler import LoadScopeScheduling
 
@@ -97,6 +98,7 @@ def pytest_xdist_make_scheduler(config, log):
             super().__init__(config, log)
             self.uses = defaultdict(set, {name: set(u) for name, (_, u) in _durations().items()})
             self.browsing = None
+            self.has = defaultdict(set)
 
         def _split_scope(self, nodeid):
             return _file(nodeid)
@@ -112,8 +114,15 @@ def pytest_xdist_make_scheduler(config, log):
 
         def _assign_work_unit(self, node):
             elsewhere = self._made_elsewhere(node)
-            chosen = min(self.workqueue, key=lambda name: len(self.uses[name] & elsewhere))
+            has = self.has[node]
+
+            def rank(name):
+                uses = self.uses[name]
+                return len(uses & elsewhere), -len(uses & has)
+
+            chosen = min(self.workqueue, key=rank)
             self.workqueue.move_to_end(chosen, last=False)
+            has |= self.uses[chosen] - {BROWSER}
             if BROWSER in self.uses[chosen]:
                 self.browsing = node
             super()._assign_work_unit(node)
@@ -134,9 +143,9 @@ class Recorder:
 
         name, entry = _file(item.nodeid), solver_cache._entry
 
-        def noted(kind, subject):
-            self.uses[name].add(f"{kind.name} {subject.of} {subject.variant}")
-            return entry(kind, subject)
+        def noted(subject):
+            self.uses[name].add(f"{subject.of} {subject.variant}")
+            return entry(subject)
 
         if item.get_closest_marker(BROWSER) is not None:
             self.uses[name].add(BROWSER)

@@ -193,6 +193,16 @@ def paused_at(page, instant):
     page.evaluate(PAUSED, instant)
 
 
+def settled(page):
+    """Wait until scripts have looked at a new layout, and nothing folds or fades any more."""
+    page.wait_for_timeout(300)
+    page.wait_for_function(
+        "document.getAnimations().every((each) => each.playState !== 'running'"
+        " || each.effect.getComputedTiming().endTime === Infinity)"
+    )
+    page.wait_for_timeout(50)
+
+
 def at_rest(page):
     """Wait until the player moves nothing any more."""
     before = None

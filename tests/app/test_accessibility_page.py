@@ -9,7 +9,7 @@ from __future__ import annotations
 import pytest
 
 from tests.app.axe import findings
-from tests.app.chromium import FOLDERS, PACE, tab, unfold
+from tests.app.chromium import FOLDERS, PACE, settled, tab, unfold
 from tests.app.shared_page import visit
 
 pytestmark = pytest.mark.browser
@@ -41,7 +41,7 @@ def all_findings(page):
     found = {}
     for place in PLACES:
         (unfold if place in FOLDERS else tab)(page, place)
-        page.wait_for_timeout(600)
+        settled(page)
         found |= dict.fromkeys((line, place) for line in findings(page))
     return list(found)
 

@@ -105,10 +105,8 @@ def test_what_makes_no_sense_is_refused_with_a_reason(page):
 
 
 def test_another_motion_is_loaded_by_its_address(page):
-    end = page.evaluate("latest('ready').end")
     page.evaluate("heard.length = 0, say('load', 'other.html')")
-    page.wait_for_function("latest('ready')?.end > 0")
-    assert page.evaluate("latest('ready').end") > end
+    page.wait_for_function("latest('ready')?.end > 2")  # s; the first lasts 1.3
 
 
 def test_a_script_of_the_same_origin_calls_it(served):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import FOLDERS, PACE, tab, tick, unfold
+from tests.app.chromium import FOLDERS, PACE, settled, tab, tick, unfold
 from tests.app.legibility import unreadable
 from tests.app.shared_page import visit
 
@@ -12,7 +12,6 @@ pytestmark = pytest.mark.browser
 
 SIZES = [(1440, 900), (1280, 720), (1920, 1080), (390, 844)]
 TABS = ("View", "Results", "Plots", "Files", "More")
-SETTLED = 600  # ms until the page has taken its new size
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +42,11 @@ def test_everything_can_be_read(page, night):
         unfold(page, folder)
     for name in TABS:
         tab(page, name)
-        page.wait_for_timeout(SETTLED)
+        settled(page)
         found[name] = unreadable(page)
     tab(page, "View")
     for width, height in SIZES:
         page.set_viewport_size({"width": width, "height": height})
-        page.wait_for_timeout(SETTLED)
+        settled(page)
         found[width, height] = unreadable(page)
     assert {place: findings for place, findings in found.items() if findings} == {}

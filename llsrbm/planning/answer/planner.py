@@ -257,7 +257,7 @@ class Planner:
         layout, form = ElasticLayout.around(self.layout, task), self.formulation
         kept = self._elastic_kept
         known = kept is not None and kept.layout == layout
-        return known or is_built(type(form.solver), of_jumps(form.model, layout, form.robot))
+        return known or is_built(of_jumps(form.model, layout, form.robot))
 
     def prepare_nearest(
         self,
@@ -348,9 +348,9 @@ def planner_of(
 
 def is_planner_built(jump: Jump, limits: Mapping[str, float] | None = None) -> bool:
     """Whether `planner_of` takes no building, but a few seconds to load at most; raises as that."""
-    robot, model, solver, layout = _own(jump, solvers.names()[0], INTERVALS, None, limits)
+    robot, model, _, layout = _own(jump, solvers.names()[0], INTERVALS, None, limits)
     made = make_model(model, robot, free_arms=layout.arm_joints > 0)
-    return is_built(solvers.by_name(solver), of_jumps(made, layout, robot))
+    return is_built(of_jumps(made, layout, robot))
 
 
 def _own(

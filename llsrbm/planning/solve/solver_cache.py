@@ -103,7 +103,7 @@ def _cached_solver(kind: type[Solver], subject: Subject) -> Solver:
         go_on()
         return found
 
-    name, key = _entry(kind, replace(subject, horizon=horizon))
+    name, key = _entry(replace(subject, horizon=horizon))
     key_in_c = content_key(key, sources("ocp/compiled.py"))
     tool = compiler() if kind.compiled else None
     source, library = b"", None
@@ -140,18 +140,18 @@ def _compressed(text: str) -> bytes:
     return b"".join([*map(packer.compress, pieces), packer.flush()])
 
 
-def is_built(kind: type[Solver], subject: Subject) -> bool:
+def is_built(subject: Subject) -> bool:
     """Whether the cache has a solver, so that it takes next to no time."""
     with solving:
-        name, key = _entry(kind, subject)
+        name, key = _entry(subject)
         return cache_path(name, key, ".casadi.z").exists()
 
 
-def _entry(kind: type[Solver], subject: Subject) -> tuple[str, bytes]:
-    """Name and key of a solver in the cache."""
-    name = f"solver-{subject.of}-{kind.name}-{subject.variant}"
+def _entry(subject: Subject) -> tuple[str, bytes]:
+    """Name and key of a problem in the cache, which is the same whatever solves it."""
+    name = f"solver-{subject.of}-{subject.variant}"
     numbers, ours = _fingerprint(name, subject), (sources(module) for module in _MAKERS)
-    return name, content_key(ca.__version__, kind.name, *ours, numbers)
+    return name, content_key(ca.__version__, *ours, numbers)
 
 
 def _fingerprint(name: str, subject: Subject) -> bytes:

@@ -26,7 +26,7 @@ DEGREES = (99, 117, 153, 171, 135, 108)  # of a slider, there and back
 def answer(jump, near=None, **options):
     """The plan of a request, or of the nearest jump that is found."""
     try:
-        return llsrbm.plan(jump, near=near, limits=LIMITS, draft=True, **options)
+        return llsrbm.plan(jump, near=near, limits=LIMITS, draft=True, explains=False, **options)
     except NotConverged as error:
         return error.nearest
 

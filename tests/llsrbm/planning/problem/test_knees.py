@@ -91,7 +91,7 @@ def test_legs_side_by_side_do_not_meet_in_flight():
     """Without the rows the hind thighs of this jump were 32 mm inside each other."""
     robot = load_robot("go2")
     jump = Jump(robot="go2", twist=-1.59, forward=0.47, lateral=-0.29)
-    plan = planner_for("go2", "llsrbm-plus").plan(jump, explains=False)
+    plan = planner_for("go2", "llsrbm-plus").plan(jump, patient=False)
     q = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), plan.joint_position])
     legs, thighs_and_shanks = LinkShapes.of(robot), ("thigh", "calf", "foot")
     mine = [

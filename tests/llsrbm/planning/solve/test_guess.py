@@ -153,12 +153,11 @@ def test_a_flip_turns_over_in_flight(turn):
     assert (np.sum(knots.quat[1:] * knots.quat[:-1], axis=1) > 0.9).all()
 
 
-@pytest.mark.parametrize("share", [0.8, 1.2])
-def test_a_flip_is_found_from_other_flight_times(share):
+def test_a_flip_is_found_from_another_flight_time():
     jump = Jump(robot="go2", type="flip", pitch=-2 * np.pi)
     form = planner_of(jump).formulation
     task, watch = make_task(jump, form.robot), Watch(None, None)
-    guess = form.guess(task, share * FLIP_FLIGHT)
+    guess = form.guess(task, 0.8 * FLIP_FLIGHT)
     assert form.reconciled(form.solve(task, guess, watch, solve_options(task)), watch).solved
 
 

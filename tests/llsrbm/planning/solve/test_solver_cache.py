@@ -4,6 +4,7 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,8 @@ PACKAGE = Path(llsrbm.__file__).parent
 def fingerprint():
     robot = load_robot("anymal")
     layout = layout_of(Jump(robot="anymal"), robot)
-    return make_horizon(make_model("llsrbm-plus", robot), layout).fingerprint()
+    whole = make_horizon(make_model("llsrbm-plus", robot), layout)
+    return replace(whole, runs=whole.runs[1:3]).fingerprint()  # of the take-off
 
 
 @pytest.fixture(scope="module")
