@@ -66,8 +66,7 @@ def follow(plan: llsrbm.Plan, seed: int) -> dict[str, Any]:
     robot = load_robot(plan.jump.robot)
     planned = [plan.joint_names.index(name) for name in rollout.joint_names]
     own = [robot.joint_names.index(name) for name in rollout.joint_names]
-    lower = robot.model.lowerPositionLimit[7:][own]
-    upper = robot.model.upperPositionLimit[7:][own]
+    lower, upper = robot.joint_stops[:, own]
     beyond = {
         name: float((np.maximum(lower - q, q - upper) / (upper - lower)).max())
         for name, q in (

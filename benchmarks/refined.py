@@ -125,7 +125,7 @@ def looked_at(first: llsrbm.Plan, second: llsrbm.Plan, motion: Motion) -> dict[s
 
 def beyond_stops(robot: Robot, joints: np.ndarray) -> float:
     """Largest way beyond a stop, rad or m; negative inside."""
-    low, high = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    low, high = robot.joint_stops
     return float(np.maximum(low - joints, joints - high).max())
 
 

@@ -17,13 +17,13 @@ from llsrbm.files.quantity import (
     CONTACT,
     JOINT,
     LEG,
+    PARTS,
     TENSOR,
     TIME,
-    WXYZ,
-    XYZ,
     Kind,
     Quantity,
     derived,
+    entries,
     quantities,
 )
 from llsrbm.mechanics import rotation_matrices, yaw
@@ -97,8 +97,6 @@ def _joint_tags(robot: Robot) -> dict[str, tuple[str, ...]]:
 
 # ---- declared quantities
 
-_TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-_PARTS = {XYZ: "xyz", WXYZ: "wxyz"}
 _WORDS = {"com": "CoM", "quat": "quaternion", "reference": "tracked:"}
 
 # In view at least; a still robot's noise shall not fill a chart.
@@ -143,7 +141,7 @@ def _tabled(key: str, quantity: Quantity) -> Callable[[TimeSeries], Samples | No
         if values is None:
             return None
         if quantity.axes[-1] == TENSOR:
-            values = np.stack([values[:, i, j] for i, j in _TENSOR.values()], axis=1)
+            values = entries(values)
         values = values.reshape(len(values), -1)
         components = _components(series.robot, quantity, values.shape[1])
         return Samples(series.time, tuple(components), values)
@@ -161,7 +159,7 @@ def _components(robot: Robot, quantity: Quantity, count: int) -> Iterator[Compon
         for name, tags in _joint_tags(robot).items():
             yield Component(name, quantity.unit_of(name, robot.sliding_joints), tags)
     elif axes[0] in (LEG, CONTACT):
-        parts = _PARTS.get(axes[1], "") if len(axes) > 1 else ""
+        parts = PARTS.get(axes[1], ()) if len(axes) > 1 else ()
         places = count // max(1, len(parts))
         corners = places // len(robot.legs)
         for place in range(places):
@@ -170,7 +168,7 @@ def _components(robot: Robot, quantity: Quantity, count: int) -> Iterator[Compon
             for part in parts or ("",):
                 yield Component(f"{name} {part}".strip(), unit, (leg, part) if part else (leg,))
     else:
-        for part in _TENSOR if axes == (TENSOR,) else _PARTS[axes[0]]:
+        for part in PARTS[axes[0]]:
             yield Component(part, unit)
 
 

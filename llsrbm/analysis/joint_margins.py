@@ -98,9 +98,8 @@ def margins(
     t = np.asarray(time, dtype=float)
     q = np.asarray(joint_position, dtype=float)
     speed = np.abs(np.asarray(joint_speed, dtype=float))
-    room = np.minimum(
-        q - robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:] - q
-    )
+    lower, upper = robot.joint_stops
+    room = np.minimum(q - lower, upper - q)
     found = []
     for j, name in enumerate(robot.joint_names):
         tightest, fastest = int(np.argmin(room[:, j])), int(np.argmax(speed[:, j]))

@@ -20,7 +20,7 @@ class JointPosition(Check):
 
     def find(self, motion: SampledMotion) -> Finding:
         """The joint that comes nearest to a stop, or furthest beyond one."""
-        lower, upper = motion.model.lowerPositionLimit[7:], motion.model.upperPositionLimit[7:]
+        lower, upper = motion.robot.joint_stops
         limited = np.isfinite(upper - lower) & (upper > lower)
         if not limited.any():
             return self.nothing("the URDF states no stops")

@@ -32,7 +32,7 @@ class JointBounds:
     """Bounds on the joints' accelerations of a robot as the controller believes it is."""
 
     def __init__(self, robot: Robot) -> None:
-        lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+        lower, upper = robot.joint_stops
         margin = MARGIN * (upper - lower)
         self._stops = np.stack([lower + margin, margin - upper])
         self._torque = BRAKING * robot.torque_limit

@@ -15,6 +15,8 @@ from enum import Enum
 from functools import cache
 from typing import Any, get_type_hints
 
+from llsrbm.arrays import Array
+
 # Axes of arrays.
 TIME = "time"
 LEG, CONTACT, JOINT, BODY = "leg", "contact", "joint", "body"
@@ -44,11 +46,23 @@ SIZES: Mapping[str, tuple[int | str, ...]] = {
     ROW: ("m",),
 }
 
+# Names of what they hold; of a symmetric matrix the six entries that differ.
+PARTS: Mapping[str, tuple[str, ...]] = {
+    XYZ: ("x", "y", "z"),
+    WXYZ: ("w", "x", "y", "z"),
+    TENSOR: ("xx", "yy", "zz", "xy", "xz", "yz"),
+}
+
 _SLIDING = {
     "rad": "m",
     "rad/s": "m/s",
     "Nm": "N",
 }  # unit of a joint that turns -> of one that slides
+
+
+def entries(tensors: Array) -> Array:
+    """(T, 6) of symmetric matrices (T, 3, 3), in the order of `PARTS`."""
+    return tensors[:, [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
 
 
 class Between(Enum):

@@ -108,7 +108,7 @@ def _of_height(robot: Robot, height: Array) -> Iterator[str]:
 
 
 def _of_joints(robot: Robot, position: Array) -> Iterator[str]:
-    lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+    lower, upper = robot.joint_stops
     turning = np.array([name not in robot.sliding_joints for name in robot.joint_names])
     beyond = np.maximum(lower - position, position - upper)  # (K, J)
     largest = np.abs(position[:, turning]).max(initial=0.0)

@@ -18,12 +18,12 @@ from llsrbm.arrays import Array
 from llsrbm.files.quantity import (
     JOINT,
     LEG,
+    PARTS,
     TENSOR,
     TIME,
-    WXYZ,
-    XYZ,
     Quantity,
     derived,
+    entries,
     quantities,
 )
 from llsrbm.formats.base import Format, Options, Purpose
@@ -34,10 +34,6 @@ from llsrbm.motion.trajectory import Trajectory
 from llsrbm.number_text import aligned
 
 Column = tuple[str, Array]
-
-# Names of the parts of an array's last axis, and of what a symmetric matrix has.
-_PARTS = {XYZ: ("x", "y", "z"), WXYZ: ("w", "x", "y", "z")}
-_TENSOR = {"xx": (0, 0), "yy": (1, 1), "zz": (2, 2), "xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 
 
 def columns(trajectory: Plan | Rollout, fps: float) -> Iterator[Column]:
@@ -56,7 +52,7 @@ def _columns(
     units = [quantity.unit or _codes(quantity.codes_of(trajectory))]
     paths = [name]
     if quantity.axes[-1] == TENSOR:
-        values = np.stack([values[:, i, j] for i, j in _TENSOR.values()], axis=1)
+        values = entries(values)
     for axis in quantity.axes[1:]:
         members = _members(trajectory, axis)
         paths = [f"{path}/{member}" for path in paths for member in members]
@@ -74,10 +70,8 @@ def _codes(codes: Sequence[str]) -> str:
 
 def _members(trajectory: Plan | Rollout, axis: str) -> Sequence[str]:
     """Names along an axis. Point feet's contacts are called as their legs, a sole's numbered."""
-    if axis == TENSOR:
-        return tuple(_TENSOR)
-    if axis in _PARTS:
-        return _PARTS[axis]
+    if axis in PARTS:
+        return PARTS[axis]
     legs = trajectory.leg_names
     if axis == JOINT:
         return trajectory.joint_names

@@ -49,18 +49,6 @@ from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
 
-__all__ = [
-    "NEAREST",
-    "OPTIONAL",
-    "SCHEMA",
-    "OfRobot",
-    "Plan",
-    "Refinement",
-    "SolveReport",
-    "Violation",
-    "load_plan",
-]
-
 
 class OfRobot:
     """Names in a plan or a rollout, of the robot as it was."""

@@ -81,7 +81,7 @@ class Check(State):
                 f"posture: the base is tilted by {np.degrees(tilted):.0f} deg, expected at most "
                 f"{np.degrees(UPRIGHT):.0f}"
             )
-        lower, upper = robot.model.lowerPositionLimit[7:], robot.model.upperPositionLimit[7:]
+        lower, upper = robot.joint_stops
         beyond = np.maximum(lower - readings.q, readings.q - upper)
         moves = np.abs(readings.dq) * self.over(readings.time)  # at last, not at first
         for off, most, words in (

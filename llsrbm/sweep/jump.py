@@ -241,8 +241,8 @@ def _figures(plan: Plan, robot: Robot) -> TableRow:
 
 def _joints(plan: Plan, robot: Robot) -> TableRow:
     """Largest speed and smallest margin at knots; between them would take a tenth of a plan."""
-    q, model = plan.joint_position, robot.model
-    room = np.minimum(q - model.lowerPositionLimit[7:], model.upperPositionLimit[7:] - q)
+    q, (lower, upper) = plan.joint_position, robot.joint_stops
+    room = np.minimum(q - lower, upper - q)
     tightest = int(room.min(axis=0).argmin())
     row: TableRow = {
         "joint_margin": float(room[:, tightest].min()),

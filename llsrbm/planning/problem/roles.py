@@ -6,6 +6,7 @@ Which variables a knot has, and which constraints, follows from its role alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -116,6 +117,7 @@ def roles_of(
     flights = [p for p, row in enumerate(stands) if not any(row)]
     last_flight = max(flights, default=-1)
     shifts = under_way and bool(flights)
+    same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
         now = np.array(stands[p])
         before = np.array(stands[max(p - 1, 0)])
@@ -142,11 +144,9 @@ def roles_of(
                     clears=clears and not (p == 0 and first),
                     leans=turns and p < last_flight,
                     lands_upright=turns and p > last_flight,
-                    under_way=under_way,
-                    moves_arms=moves_arms,
                     limits_apex=apex and first and p in flights,
-                    shifts=shifts,
                     shifted=shifts and p > flights[0],
+                    **same,
                 )
             )
     end = Role(
@@ -156,10 +156,8 @@ def roles_of(
         swinging=(),
         terminal=True,
         final=True,
-        under_way=under_way,
-        moves_arms=moves_arms,
-        shifts=shifts,
         shifted=shifts,
+        **same,
     )
     return (*roles, end)
 

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from llsrbm.mechanics import quaternions_about_z
-from llsrbm.motion.plan import Plan, Refinement
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
+from llsrbm.motion.solve_report import Refinement
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
-from llsrbm.motion.plan import Violation
+from llsrbm.motion.solve_report import Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import MAX_FOLLOW_MISS, SolveOptions, Solver
