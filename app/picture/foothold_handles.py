@@ -43,7 +43,8 @@ class FootholdDragged:
     leg: str
     dx: float  # ahead, as the robot looks that lands
     dy: float  # to the left
-    begins: bool = False
+    grip: int = 1  # number of the grip that it is dragged with, one after another
+    held: bool = True
 
     def applied_to(self, jump: Jump, robot: Robot) -> Jump:
         """A request whose foot lands there, or as far on the way as the leg reaches."""
@@ -72,10 +73,12 @@ class FootholdHandles:
         self._drawn: Jump | None = None
         self._place: Footholds | None = None
         self._held: int | None = None
+        self._grips = 0
 
     def read(self, moved: FootholdMoved) -> FootholdDragged | None:
         """Where one stands; None if a script has put it nowhere."""
         self._held = moved.foot if moved.held else None
+        self._grips += moved.begins
         # Wherever it was let go: the next drawing puts it where the target is.
         self._drawn = None
         robot, place = self._robot, self._place
@@ -86,7 +89,8 @@ class FootholdHandles:
             return None
         turned = turns_about_z(place.heading)
         dx, dy, _ = turned.T @ (at - place.origin) + self._corner - robot.feet[moved.foot]
-        return FootholdDragged(robot.leg_names[moved.foot], float(dx), float(dy), moved.begins)
+        leg = robot.leg_names[moved.foot]
+        return FootholdDragged(leg, float(dx), float(dy), self._grips, moved.held)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> bool:
         """Stand where the feet shall land, but for the one that is held; nothing known: hidden.

@@ -75,13 +75,18 @@ def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
 
 @on(FootholdDragged)
 def drag_foothold(state: TabState, dragged: FootholdDragged) -> Step:
-    """Plan a jump whose foot lands where its handle was dragged; one drag is one step back."""
+    """Plan a jump whose foot lands where its handle was dragged; one grip is one step back."""
     robot = state.robot
     if robot is None or not state.ready:
         return state, ()
-    if dragged.begins:
+    jump, grip = dragged.applied_to(state.design.jump, robot), dragged.grip
+    if jump != state.design.jump:
+        changing = ("Jump.stones",) if grip == state.history.grip else ()
+        state = replace(state, history=replace(state.history, changing=changing, grip=grip))
+    state, effects = choose_jump(state, jump)
+    if not dragged.held:  # what is typed next is a step of its own
         state = replace(state, history=replace(state.history, changing=()))
-    return choose_jump(state, dragged.applied_to(state.design.jump, robot))
+    return state, effects
 
 
 @on(Act.RESET_FOOTHOLDS, enabled=lambda state: bool(state.design.jump.stones))

@@ -150,6 +150,7 @@ class History:
     # names of the numbers that the last change changed; another change of the same ones belongs to
     # it
     changing: tuple[str, ...] = ()
+    grip: int = 0  # on a foot's handle, with which the last one was dragged; 0: none was
 
 
 @dataclass(frozen=True, eq=False)

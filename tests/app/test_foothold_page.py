@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import PACE, PIXELS, fill, paused_at, press, tab, unfold
+from tests.app.chromium import PACE, PIXELS, fill, paused_at, press, status, tab, unfold
 from tests.app.waits import wait_until
 
 pytestmark = pytest.mark.browser
@@ -56,3 +56,4 @@ def test_a_foot_is_dragged_typed_and_cleared(page):
     wait_until(lambda: stones(page) == (stone,), "what was dragged")
     press(page, "Reset footholds")
     wait_until(lambda: page.session.state.design == before, "no stones")
+    status(page, "Feasible")

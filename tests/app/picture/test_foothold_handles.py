@@ -102,6 +102,15 @@ def test_the_one_that_is_held_stays_in_the_hand(feet):
     assert feet.gizmos[0].position != others
 
 
+def test_grips_are_numbered_and_ended(feet):
+    said = []
+    for phase in ("start", "update", "end", "start", "update", "end"):
+        feet.gizmos[3].drag(phase)
+        dragged = feet.handles.read(feet.moved[-1])
+        said.append((dragged.grip, dragged.held))
+    assert said == [(1, True), (1, True), (1, False), (2, True), (2, True), (2, False)]
+
+
 def test_the_other_feet_and_the_height_of_a_stone_stay(feet):
     jump = Jump(robot="go2", stones={"FL": (0.01, 0.0, 0.02), "RR": (0.0, 0.03)})
     feet.draw(jump)

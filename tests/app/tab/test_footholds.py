@@ -11,19 +11,22 @@ from llsrbm.planning.problem.placement import make_task
 from tests.app.pure_tab import PureTab, planned_tab
 
 
-def test_a_dragged_foot_is_planned_and_one_drag_is_one_step_back():
+def test_a_dragged_foot_is_planned_and_one_grip_is_one_step_back():
     tab = planned_tab()
     before = tab.state.design
-    tab.take(FootholdDragged("LF", 0.0, 0.0, begins=True))
+    tab.take(FootholdDragged("LF", 0.0, 0.0, 1))
     for dx in (0.01, 0.02, 0.03):
-        tab.take(FootholdDragged("LF", dx, 0.02))
-    tab.settle()
+        tab.take(FootholdDragged("LF", dx, 0.02, 1))
+        tab.settle()  # the hand rests
+    tab.take(FootholdDragged("LF", 0.03, 0.02, 1, held=False))
     assert tab.state.plan.jump.stones == (("LF", 0.03, 0.02, 0.0),)
-    tab.take(FootholdDragged("RH", -0.02, 0.0, begins=True))
+    tab.move(stones=(("LF", 0.05, 0.02, 0.0),))  # typed
+    tab.take(FootholdDragged("RH", -0.02, 0.0, 2))
     tab.settle()
     assert [stone.leg for stone in tab.state.plan.jump.stones] == ["LF", "RH"]
-    tab.take(Act.UNDO)
-    assert tab.state.design.jump.stones == (("LF", 0.03, 0.02, 0.0),)
+    for dx in (0.05, 0.03):
+        tab.take(Act.UNDO)
+        assert tab.state.design.jump.stones == (("LF", dx, 0.02, 0.0),)
     tab.take(Act.UNDO)
     assert tab.state.design == before
 
@@ -32,9 +35,9 @@ def test_twenty_edits_are_undone_to_the_last_bit():
     rng = np.random.default_rng(44)
     tab = planned_tab()
     before = []
-    for leg in rng.choice(["LF", "RF", "LH", "RH"], 20).tolist():
+    for grip, leg in enumerate(rng.choice(["LF", "RF", "LH", "RH"], 20).tolist(), start=1):
         before.append((tab.state.design, tab.state.shown))
-        tab.take(FootholdDragged(leg, *rng.uniform(-0.5, 0.5, 2).tolist(), begins=True))
+        tab.take(FootholdDragged(leg, *rng.uniform(-0.5, 0.5, 2).tolist(), grip))
         make_task(tab.state.design.jump, tab.state.robot)  # which raises where no foot reaches
         tab.settle()
     for design, shown in reversed(before):
@@ -47,7 +50,7 @@ def test_all_feet_land_by_themselves_again():
     tab = planned_tab()
     assert not acts.is_enabled(Act.RESET_FOOTHOLDS, tab.state)
     before = tab.state.design.jump
-    tab.take(FootholdDragged("LF", 0.03, 0.02, begins=True))
+    tab.take(FootholdDragged("LF", 0.03, 0.02))
     assert acts.is_enabled(Act.RESET_FOOTHOLDS, tab.state)
     tab.settle()
     tab.take(Act.RESET_FOOTHOLDS)
@@ -57,7 +60,7 @@ def test_all_feet_land_by_themselves_again():
 
 def test_another_robot_has_other_feet():
     tab = planned_tab()
-    tab.take(FootholdDragged("LF", 0.03, 0.02, begins=True))
+    tab.take(FootholdDragged("LF", 0.03, 0.02))
     tab.settle()
     tab.move(robot="go2", type="rear-last")
     assert tab.state.design.jump.stones == ()
@@ -66,5 +69,5 @@ def test_another_robot_has_other_feet():
 def test_without_a_robot_nothing_is_dragged():
     tab = PureTab(robot="")
     before = tab.state
-    assert tab.take(FootholdDragged("LF", 0.03, 0.02, begins=True)) == ()
+    assert tab.take(FootholdDragged("LF", 0.03, 0.02)) == ()
     assert tab.state is before
