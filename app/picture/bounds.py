@@ -9,7 +9,7 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.look.visuals import forward_kinematics
+from llsrbm.look.visuals import default_pose
 from llsrbm.mechanics import CORNERS, rotation_matrices, turns_about_z
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
@@ -60,15 +60,6 @@ def outermost(points: Array) -> Array:
     radius = np.sqrt(1 - z * z)
     along = np.stack([radius * np.cos(turn), radius * np.sin(turn), z])
     return flat[np.unique(np.argmax(flat @ along, axis=0))]
-
-
-@lru_cache(maxsize=16)
-def default_pose(robot: Robot) -> tuple[Array, Array]:
-    """Poses of all bodies in the default posture, (B, 3) m and (B, 4)."""
-    position, wxyz = forward_kinematics(
-        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
-    )
-    return position[0], wxyz[0]
 
 
 def apart(robot: Robot, one: ShownMotion, other: ShownMotion, time: Array) -> Array:

@@ -17,13 +17,13 @@ from app.motion.clip import AnimationChannel, CameraTarget, Track
 from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.blocks import tops_under
-from app.picture.bounds import around, around_default, corners, default_pose, outermost
+from app.picture.bounds import around, around_default, corners, outermost
 from app.picture.drawing import Drawing
 from app.picture.parts import Part, parts_of
 from app.picture.picture import Picture
 from llsrbm.look.collision_visuals import collision_visuals
 from llsrbm.look.shown_motion import ShownMotion
-from llsrbm.look.visuals import LinkVisual, link_visuals, needs_preparation
+from llsrbm.look.visuals import LinkVisual, default_pose, link_visuals, needs_preparation
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 

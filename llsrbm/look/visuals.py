@@ -157,18 +157,25 @@ def forward_kinematics(
     return poses[..., :3], poses[..., [6, 3, 4, 5]]
 
 
+@lru_cache(maxsize=16)
+def default_pose(robot: Robot) -> tuple[Array, Array]:
+    """Poses of all bodies in the default posture, (B, 3) m and (B, 4)."""
+    position, wxyz = forward_kinematics(
+        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
+    )
+    return position[0], wxyz[0]
+
+
 @lru_cache(maxsize=8)
 def viewpoint(robot: Robot) -> tuple[Array, Array]:
     """Where the camera is and where it looks at, (3,) m, for a robot in its default posture.
 
     The robot fills the same part of the picture whatever its size, with room for a jump.
     """
-    position, wxyz = forward_kinematics(
-        robot, robot.base_position[None], [[1.0, 0.0, 0.0, 0.0]], robot.posture[None, 7:]
-    )
-    R = rotation_matrices(wxyz[0])
+    position, wxyz = default_pose(robot)
+    R = rotation_matrices(wxyz)
     bodies = [(visual.joint_id - 1, visual.vertices) for visual in link_visuals(robot)]
-    points = np.concatenate([places @ R[k].T + position[0, k] for k, places in bodies])
+    points = np.concatenate([places @ R[k].T + position[k] for k, places in bodies])
     low, high = points.min(axis=0), points.max(axis=0)
     size = np.linalg.norm(high - low)
     target = (low + high) / 2 + size * _AT

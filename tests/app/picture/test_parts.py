@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from app.picture.bounds import default_pose
 from app.picture.parts import TRUNK, foot_name, parts_of
+from llsrbm.look.visuals import default_pose
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots import load_robot
 
