@@ -42,10 +42,7 @@ class CertifiedPlanner:
 
         Where the certificate does not hold it is planned again with more intervals: of what holds
         at their nodes less is missed between. Where no plan is found it is the draft, without a
-        certificate; its `refinement` says so.
-
-        Raises:
-            Cancelled: `cancelled` was true.
+        certificate; its `refinement` says so. Raises `Cancelled`: `cancelled` was true.
         """
         found = self.checked(self._refined(draft, 1.0))
         if not found.refined or not _depends_on_grid(found):

@@ -27,9 +27,7 @@ class GuardMissing(Error):
 
 def check(host: str, port: int, *, token: bool) -> None:
     """Send a server the requests that it must refuse; a `token`: nobody may enter without it.
-
-    Raises:
-        GuardMissing: it let something in, or does not answer.
+    Raises `GuardMissing`: it let something in, or does not answer.
     """
     address = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)  # noqa: S104
     own = f"127.0.0.1:{port}"

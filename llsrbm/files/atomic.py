@@ -31,11 +31,9 @@ def staged(path: str | Path) -> Iterator[Path]:
     """A path of the same name to write a file or a folder to, with others beside it if need be.
 
     All of them take their places when the block ends well, what the path names last; otherwise
-    nothing is left. They get the permissions of any new file. A symbolic link is followed. A
-    pipe or a device (/dev/stdout) gets the bytes of the one file.
-
-    Raises:
-        InputError: the path cannot be written, or names a folder that was not written by this.
+    nothing is left. They get the permissions of any new file. A symbolic link is followed. A pipe
+    or a device (/dev/stdout) gets the bytes of the one file. Raises `InputError`: the path cannot
+    be written, or names a folder that was not written by this.
     """
     target = Path(path)
     if target.parent.name.startswith(_PREFIX):  # stands in a folder that is to take its place

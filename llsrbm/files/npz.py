@@ -141,11 +141,9 @@ def open_archive(
 ) -> Iterator[Archive]:
     """Open a zip or npz file of at most `largest` bytes, also those of its members together.
 
-    `expected`: what the file should be, for messages.
-
-    Raises:
-        FileFormatError: unreadable, no archive, damaged, too large or too long a list of members;
-            also for whatever reading its members raises within the block.
+    `expected`: what the file should be, for messages. Raises `FileFormatError`: unreadable, no
+    archive, damaged, too large or too long a list of members; also for whatever reading its members
+    raises within the block.
     """
     try:
         kind = Path(path).stat().st_mode  # before it is opened: a pipe would be waited for
@@ -263,11 +261,9 @@ def checked(
 ) -> Arrays:
     """The arrays named in `layout`, as float64, int64 or text; other keys are left out.
 
-    `most_times`: the largest number of instants, counted before anything is converted.
-
-    Raises:
-        FileFormatError: a key is missing, has another shape or kind, or numbers that are not finite
-            or beyond anything that moves, attitudes that are no unit quaternions, unknown codes.
+    `most_times`: the largest number of instants, counted before anything is converted. Raises
+    `FileFormatError`: a key is missing, has another shape or kind, or numbers that are not finite
+    or beyond anything that moves, attitudes that are no unit quaternions, unknown codes.
     """
     sizes: dict[str, tuple[int, str]] = {}
     result: Arrays = {}

@@ -166,10 +166,8 @@ def driven_robot(trajectory: Trajectory) -> Robot:
 
 
 def read_beside(path: Path) -> dict[str, Any]:
-    """The JSON beside a file; nothing where there is none.
-
-    Raises:
-        FileFormatError: there is one, and it is unreadable or no JSON object.
+    """The JSON beside a file; nothing where there is none. Raises `FileFormatError`: there is one,
+    and it is unreadable or no JSON object.
     """
     beside = path.with_name(path.name + _BESIDE)
     if not beside.exists():

@@ -40,10 +40,8 @@ def joint_columns(
     """Where each of `Robot.joint_names` is among the file's `names` (n,), and remarks.
 
     Joints that the robot holds may be among them; where they are by `position` (K, n), rad or m, is
-    left out, with a remark where that is not where the robot holds them.
-
-    Raises:
-        FileFormatError: other joints or another number of columns.
+    left out, with a remark where that is not where the robot holds them. Raises `FileFormatError`:
+    other joints or another number of columns.
     """
     known = urdf_joints(robot).joints
     there = set(names)

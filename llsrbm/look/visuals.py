@@ -115,10 +115,8 @@ def give_material(tree: dict[str, Any], material: dict[str, Any]) -> None:
 def link_visuals(robot: Robot, *, coarse: bool = False) -> tuple[LinkVisual, ...]:
     """A mesh for each moving body that has one, from the cache if made before.
 
-    `coarse`: with fewer faces, see `COARSE_FACES`.
-
-    Raises:
-        RobotFileError: a mesh cannot be read, or there is nothing to draw.
+    `coarse`: with fewer faces, see `COARSE_FACES`. Raises `RobotFileError`: a mesh cannot be read,
+    or there is nothing to draw.
     """
     path = _entry(robot, coarse=coarse)
     stored = read_arrays(path)

@@ -277,10 +277,8 @@ class Plan(OfRobot):
 
     @staticmethod
     def from_arrays(arrays: Arrays, path: str | Path) -> Plan:
-        """The plan in an archive that has been read; `path` is for messages.
-
-        Raises:
-            FileFormatError: of another schema, or a key is missing or holds something else.
+        """The plan in an archive that has been read; `path` is for messages. Raises
+        `FileFormatError`: of another schema, or a key is missing or holds something else.
         """
         check_schema(arrays, path, SCHEMA)
         meta = read_meta(_Meta, arrays, path)

@@ -78,9 +78,7 @@ def replan_arrays(replans: Sequence[Replan]) -> Arrays:
     """Content of a rollout's file: R replans, the knots of all in one array, K of each.
 
     A time that is not there, of a replan that never applied or found no touchdown, is stored as -1.
-
-    Raises:
-        Error: a replan holds numbers that are not finite, other than times that are not there.
+    Raises `Error`: a replan holds numbers that are not finite, other than times that are not there.
     """
     if not replans:
         return {}

@@ -255,10 +255,8 @@ class Rollout(OfRobot):
 
     @staticmethod
     def from_arrays(arrays: Arrays, path: str | Path) -> Rollout:
-        """The rollout in an archive that has been read; `path` is for messages.
-
-        Raises:
-            FileFormatError: of another schema, or a key is missing or holds something else.
+        """The rollout in an archive that has been read; `path` is for messages. Raises
+        `FileFormatError`: of another schema, or a key is missing or holds something else.
         """
         check_schema(arrays, path, SCHEMA)
         meta = read_meta(_Meta, arrays, path)

@@ -52,10 +52,8 @@ def events(trajectory: Plan | Rollout) -> Array:
 
 
 def with_events(trajectory: Plan | Rollout, fps: float) -> Array:
-    """Instants 1/fps apart from the first to the last, and every event, in order, s.
-
-    Raises:
-        InputError: `fps` is not a positive number up to 10000.
+    """Instants 1/fps apart from the first to the last, and every event, in order, s. Raises
+    `InputError`: `fps` is not a positive number up to 10000.
     """
     check_rate(fps)
     exact = events(trajectory)
@@ -70,10 +68,8 @@ def with_events(trajectory: Plan | Rollout, fps: float) -> Array:
 def evenly(trajectory: Plan | Rollout, fps: float, pad: float = 0.0) -> Array:
     """Instants exactly 1/fps apart that hold the whole motion, s of the motion's own time.
 
-    `pad`: s of standing still before and after, rounded up to whole frames.
-
-    Raises:
-        InputError: `fps` is not a positive number up to 10000, or `pad` not one from 0 to 60 s.
+    `pad`: s of standing still before and after, rounded up to whole frames. Raises `InputError`:
+    `fps` is not a positive number up to 10000, or `pad` not one from 0 to 60 s.
     """
     check_rate(fps)
     if not (math.isfinite(pad) and 0 <= pad <= LONGEST_PAD):
@@ -109,10 +105,8 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
     """The trajectory with instants `times` (K,) s, in any order, in place of its knots or ticks.
 
     Before its start and after its end it stands still. At an instant where the phase changes, the
-    phase that begins there counts. Velocities of the joints are always there afterwards.
-
-    Raises:
-        InputError: a time is not finite.
+    phase that begins there counts. Velocities of the joints are always there afterwards. Raises
+    `InputError`: a time is not finite.
     """
     values = sampled(trajectory, times, quantities(type(trajectory)))
     values["certificate"] = None  # of the motion as it was
@@ -123,9 +117,7 @@ def resample(trajectory: _Trajectory, times: Any) -> _Trajectory:
 
 def sampled(trajectory: Plan | Rollout, times: Any, names: Collection[str]) -> dict[str, Any]:
     """Some quantities of what `resample` makes, and `time`, by name; those over no time left out.
-
-    Raises:
-        InputError: a time is not finite.
+    Raises `InputError`: a time is not finite.
     """
     times = np.atleast_1d(np.asarray(times, dtype=np.float64))
     if times.ndim != 1 or not np.isfinite(times).all():

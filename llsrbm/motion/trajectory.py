@@ -31,10 +31,8 @@ def load(path: str | Path, *, largest: int = LARGEST) -> Trajectory:
     """Read a native file (`Plan.save`, `Rollout.save`).
 
     A stranger's file may be opened: nothing in it is run, no other file is read that it names, and
-    it and its arrays may have at most `largest` bytes.
-
-    Raises:
-        FileFormatError: unreadable, damaged, or of no schema this version knows.
+    it and its arrays may have at most `largest` bytes. Raises `FileFormatError`: unreadable,
+    damaged, or of no schema this version knows.
     """
     arrays = read_archive(path, largest=largest)
     return _READERS[check_schema(arrays, path, *_READERS)](arrays, path)

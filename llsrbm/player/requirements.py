@@ -13,11 +13,8 @@ def check_plan(plan: Plan, robot: Robot, tier: type[Tier]) -> Certificate:
     """The certificate of a plan that may be played, made anew: a file may hold anything.
 
     Every check of it has to be known and to hold, but for those that the tier makes up for itself
-    (`Tier.makes_up_for`).
-
-    Raises:
-        InputError: the plan did not converge, is of another robot, begins or ends under way, or its
-            certificate does not hold.
+    (`Tier.makes_up_for`). Raises `InputError`: the plan did not converge, is of another robot,
+    begins or ends under way, or its certificate does not hold.
     """
     if not plan.solved:
         raise InputError("plan: it did not converge; expected one that did")

@@ -33,10 +33,8 @@ def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:
     """The spheres of each foot, in the order of the legs.
 
     They are the URDF's collision spheres nearest to the robot file's corners; where it has none,
-    spheres of the file's radius: about the frame of a point foot, resting on a sole.
-
-    Raises:
-        RobotFileError: the URDF gives a foot no spheres and the file no radius.
+    spheres of the file's radius: about the frame of a point foot, resting on a sole. Raises
+    `RobotFileError`: the URDF gives a foot no spheres and the file no radius.
     """
     shapes = collision_shapes(robot)
     return tuple(_foot_contact(robot, leg, shapes) for leg in robot.legs)
@@ -72,10 +70,8 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[PlacedSolid]) -> FootCont
 
 
 def foot_lift(robot: Robot) -> float:
-    """Height (m) of point feet's frames above the lowest points of their balls, standing.
-
-    Raises:
-        RobotFileError: as `foot_contacts`.
+    """Height (m) of point feet's frames above the lowest points of their balls, standing. Raises
+    `RobotFileError`: as `foot_contacts`.
     """
     lifts = [
         contact.radius - float((rotation @ contact.centres[0])[2])

@@ -44,10 +44,8 @@ _log = logging.getLogger(__name__)
 def fit_legs(robot: Robot, samples: int = 1600) -> LegFit:
     """Fit the leg maps to about `samples` postures of the robot's legs within its reach.
 
-    `samples` foot positions are shared among the legs.
-
-    Raises:
-        RobotFileError: too few places in the reach box can be reached by the legs.
+    `samples` foot positions are shared among the legs. Raises `RobotFileError`: too few places in
+    the reach box can be reached by the legs.
     """
     x, com, com_slope, inertia, spin = _sample(robot, samples)
     one, two = affine_features(x), quadratic_features(x)

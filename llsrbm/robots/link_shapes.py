@@ -44,11 +44,8 @@ class LinkShapes:
 
     @staticmethod
     def of(robot: Robot) -> LinkShapes:
-        """A robot's.
-
-        Raises:
-            RobotFileError: its URDF's geometry cannot be read, or its file names links that have no
-                shapes.
+        """A robot's. Raises `RobotFileError`: its URDF's geometry cannot be read, or its file names
+        links that have no shapes.
         """
         return _of(robot)
 

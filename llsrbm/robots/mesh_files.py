@@ -27,10 +27,8 @@ _log = logging.getLogger(__name__)
 
 
 def read_meshes(path: Path) -> tuple[trimesh.Trimesh, ...]:
-    """A file's meshes with faces, m, where its nodes put them. Do not change them.
-
-    Raises:
-        RobotFileError: it cannot be read, has no face, or has corners at no finite place.
+    """A file's meshes with faces, m, where its nodes put them. Do not change them. Raises
+    `RobotFileError`: it cannot be read, has no face, or has corners at no finite place.
     """
     try:
         with path.open("rb") as file:

@@ -20,10 +20,8 @@ HEAVIEST = 0.5  # share of the robot's own mass
 def with_payload(robot: Robot, payload: Sequence[float]) -> Robot:
     """The robot with a payload: () none, else kg and place (m) in the trunk's frame.
 
-    It is the same object each time. Its default posture is that of the robot alone.
-
-    Raises:
-        InputError: it weighs more than half of the robot.
+    It is the same object each time. Its default posture is that of the robot alone. Raises
+    `InputError`: it weighs more than half of the robot.
     """
     if not payload:
         return robot

@@ -291,10 +291,8 @@ class Robot:
 
     @cached_property
     def turning(self) -> Robot:
-        """This robot as its file's [turning] has it, for jumps in which the body turns over.
-
-        Raises:
-            InputError: the file has no such table.
+        """This robot as its file's [turning] has it, for jumps in which the body turns over. Raises
+        `InputError`: the file has no such table.
         """
         if self.turns_over:
             return self

@@ -379,9 +379,7 @@ def robot_files() -> dict[str, Path]:
 
 def read_robot_file(path: str | Path) -> RobotFile:
     """Read and check a robot file; the URDF itself is looked at by `llsrbm.robots.load_robot`.
-
-    Raises:
-        RobotFileError: one line naming the file, the key, what was given and what is accepted.
+    Raises `RobotFileError`: one line naming the file, the key, what was given and what is accepted.
     """
     path = Path(path)
     table = read_table(path, "a robot file", RobotFileError)

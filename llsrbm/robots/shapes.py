@@ -72,10 +72,8 @@ class Shape:
 
 @lru_cache(maxsize=16)
 def link_shapes(robot: Robot) -> tuple[Shape, ...]:
-    """All shapes of a robot's links, from the cache if its meshes were read before.
-
-    Raises:
-        RobotFileError: the URDF's geometry cannot be read.
+    """All shapes of a robot's links, from the cache if its meshes were read before. Raises
+    `RobotFileError`: the URDF's geometry cannot be read.
     """
     stamps = robot.urdf.mesh_stamps()
     if not stamps:

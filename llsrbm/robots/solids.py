@@ -44,10 +44,8 @@ class PlacedSolid:
 
     @cached_property
     def vertices(self) -> Array:
-        """(n, 3) m: of a mesh, each place once, as its faces come; in the solid's frame.
-
-        Raises:
-            RobotFileError: the mesh cannot be read.
+        """(n, 3) m: of a mesh, each place once, as its faces come; in the solid's frame. Raises
+        `RobotFileError`: the mesh cannot be read.
         """
         meshes = read_meshes(self.solid.file)
         every = np.concatenate([mesh.vertices[mesh.faces.ravel()] for mesh in meshes])

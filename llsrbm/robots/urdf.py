@@ -50,10 +50,8 @@ def package_share(package: str, robot_file: Path) -> Path:
 
 
 def pinocchio_model(robot: Description, where: str) -> pin.Model:
-    """Pinocchio's model of a URDF, on a free flyer.
-
-    Raises:
-        RobotFileError: Pinocchio refuses it, or no joint of it moves.
+    """Pinocchio's model of a URDF, on a free flyer. Raises `RobotFileError`: Pinocchio refuses it,
+    or no joint of it moves.
     """
     try:
         model = pin.buildModelFromXML(robot.skeleton, pin.JointModelFreeFlyer())

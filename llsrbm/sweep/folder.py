@@ -174,11 +174,7 @@ def check_empty(path: Path, kind: str) -> None:
 
 
 def stated_of(path: Path) -> dict[str, Any]:
-    """The content of a sweep's `sweep.json`.
-
-    Raises:
-        InputError: there is none, or it is damaged.
-    """
+    """The content of `sweep.json`. Raises `InputError`: there is none, or it is damaged."""
     file = path / STATED
     if not file.is_file():
         raise InputError(f"{path}: no sweep is there; expected a folder that llsrbm sweep made")

@@ -53,9 +53,7 @@ class DatasetFormat:
 
 def find_dataset_format(name: str) -> DatasetFormat:
     """The format of that name: "lerobot", or one of `llsrbm formats`, a file or folder a motion.
-
-    Raises:
-        InputError: there is none, or packages that it needs are missing.
+    Raises `InputError`: there is none, or packages that it needs are missing.
     """
     if name == _LEROBOT:
         from llsrbm.formats.datasets.lerobot import LEROBOT  # needs pyarrow

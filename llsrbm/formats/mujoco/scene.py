@@ -46,10 +46,8 @@ def write_scene(
     """Write the MJCF at `path` and the robot's meshes in the folder `MESHES` beside it.
 
     Motors are in the order of the joints. Blocks are mocap bodies, put where the last keyframe has
-    them. `timestep`: s; `seen`: centre (3,) m and size, m, of what a viewer shows at first.
-
-    Raises:
-        RobotFileError: the robot cannot be simulated, or has no meshes where its URDF names them.
+    them. `timestep`: s; `seen`: centre (3,) m and size, m, of what a viewer shows at first. Raises
+    `RobotFileError`: the robot cannot be simulated, or has no meshes where its URDF names them.
     """
     spec = scene_spec(robot, surroundings, disturbance, timestep, joints_in_model_order(robot))
     spec.modelname = robot.name

@@ -49,10 +49,8 @@ _ROUNDED = 4  # of 256 shades: shading that nobody sees would take most of the f
 
 
 def pictures(trajectory: Trajectory, options: Options) -> Iterator[Picture]:
-    """Pictures (height, width, 3) of a plan or a rollout, 1/fps apart.
-
-    Raises:
-        InputError: a size, a camera or a rate that makes no sense; no OpenGL without a screen.
+    """Pictures (height, width, 3) of a plan or a rollout, 1/fps apart. Raises `InputError`: a size,
+    a camera or a rate that makes no sense; no OpenGL without a screen.
     """
     drawing = draw(trajectory, options.fps, options.pad)
     caption = _Caption(drawing, options.size)

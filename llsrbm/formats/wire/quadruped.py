@@ -10,11 +10,8 @@ _JOINTS = 3  # a leg: abduction, hip, knee
 
 
 def corner_legs(robot: Robot, format_: str) -> dict[str, Leg]:
-    """The legs as "FL", "FR", "RL", "RR", front and rear, left and right.
-
-    Raises:
-        InputError: the robot has not one leg of three joints at each corner; `format_` is for the
-            message.
+    """The legs as "FL", "FR", "RL", "RR", front and rear, left and right. Raises `InputError`: the
+    robot has not one leg of three joints at each corner; `format_` is for the message.
     """
     legs = {
         ("F" if hip[0] > 0 else "R") + ("L" if hip[1] > 0 else "R"): leg

@@ -25,10 +25,8 @@ FROM_NEARBY_SLOWLY = replace(FROM_CLOSE, iterations=30)
 
 
 def usable_start(near: Plan, formulation: Formulation) -> Iterate:
-    """A plan's solution, from which the next one starts.
-
-    Raises:
-        UnusableStart: it is not of this robot, model and version of the planner.
+    """A plan's solution, from which the next one starts. Raises `UnusableStart`: it is not of this
+    robot, model and version of the planner.
     """
     robot, model, layout = formulation.robot, formulation.model, formulation.layout
     knots, of = len(near.time), near.jump

@@ -143,10 +143,8 @@ def stops_at(nearest: Nearest) -> tuple[Stop, ...]:
 def stops_of(nearest: Nearest, watch: Watch) -> tuple[Stop, ...]:
     """The limits that stop a request, the most important first, with what it would need.
 
-    The first of them that alone does is alone; where none does the first two are together.
-
-    Raises:
-        Cancelled: it is not wanted any more.
+    The first of them that alone does is alone; where none does the first two are together. Raises
+    `Cancelled`: it is not wanted any more.
     """
     ranked = gains(nearest)
     for gain in ranked[:NAMED]:

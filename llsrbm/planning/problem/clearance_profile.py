@@ -117,10 +117,8 @@ def foot_reach(task: Task) -> float:
 
 
 def check_footing(task: Task) -> None:
-    """Check that feet stand beside the obstacle, and at one height on either side.
-
-    Raises:
-        NoFooting: one does not; which, and where it could stand.
+    """Check that feet stand beside the obstacle, and at one height on either side. Raises
+    `NoFooting`: one does not; which, and where it could stand.
     """
     obstacle = task.obstacle
     if obstacle is None:

@@ -22,10 +22,8 @@ _SLACK = 1e-6  # m, of a robot's own posture that lies on a bound
 
 
 def offsets(stones: Sequence[Stone], robot: Robot) -> Array:
-    """(L, 3) m: how far each foot lands beside its default, axes of the robot that lands.
-
-    Raises:
-        InputError: a stone of a leg that the robot does not have.
+    """(L, 3) m: how far each foot lands beside its default, axes of the robot that lands. Raises
+    `InputError`: a stone of a leg that the robot does not have.
     """
     aside = np.zeros((len(robot.legs), 3))
     names = robot.leg_names
@@ -38,9 +36,7 @@ def offsets(stones: Sequence[Stone], robot: Robot) -> Array:
 
 def check_stones(task: Task) -> None:
     """Check that legs reach where their feet shall land, with the robot as it stands in the end.
-
-    Raises:
-        InputError: one does not, or two feet would be too near each other.
+    Raises `InputError`: one does not, or two feet would be too near each other.
     """
     why = _why_not(task.jump.stones, task.robot, task.reach, task.limits.feet_apart)
     if why:

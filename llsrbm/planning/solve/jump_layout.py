@@ -23,9 +23,7 @@ def layout_of(
     limits: Mapping[str, float] | None = None,
 ) -> Layout:
     """The variables of a jump's plan; `intervals` as for three phases; `limits`: of the request.
-
-    Raises:
-        InputError: a number of intervals that cannot be, or a jump type that is none.
+    Raises `InputError`: a number of intervals that cannot be, or a jump type that is none.
     """
     if not MIN_INTERVALS <= intervals <= MAX_INTERVALS:
         raise InputError(

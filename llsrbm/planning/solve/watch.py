@@ -46,19 +46,11 @@ class Watch:
         return None if self._progress is None else self._table.read
 
     def wait(self) -> None:
-        """Until CasADi may be used.
-
-        Raises:
-            Cancelled: on request.
-        """
+        """Until CasADi may be used. Raises `Cancelled`: on request."""
         when_idle(self._cancelled)
 
     def begin(self, text: str) -> None:
-        """Report the next step.
-
-        Raises:
-            Cancelled: on request.
-        """
+        """Report the next step. Raises `Cancelled`: on request."""
         if self._cancelled is not None and self._cancelled():
             raise Cancelled("planning was cancelled")
         self._text = text
@@ -68,19 +60,11 @@ class Watch:
             self._progress(PlanningProgress(text))
 
     def built(self, make: Callable[[], Result]) -> Result:
-        """The thing that `make` builds.
-
-        Raises:
-            Cancelled: on request.
-        """
+        """The thing that `make` builds. Raises `Cancelled`: on request."""
         return interruptible(make, self._cancelled)
 
     def over(self, solve: Callable[[], Solution]) -> Solution:
-        """Run `solve`, reporting progress; its result.
-
-        Raises:
-            Cancelled: on request.
-        """
+        """Run `solve`, reporting progress; its result. Raises `Cancelled`: on request."""
         report = None if self._progress is None else self._report
         return attended(solve, lambda: self._table.last, report, self._cancelled)
 

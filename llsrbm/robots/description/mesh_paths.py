@@ -30,10 +30,8 @@ class MeshPaths:
         self._packages: dict[str, tuple[Path, ...]] = {}
 
     def find(self, name: str, where: str) -> Path:
-        """The file of a mesh; `where`: how messages begin.
-
-        Raises:
-            RobotFileError: there is none, or it is of a kind that cannot be read.
+        """The file of a mesh; `where`: how messages begin. Raises `RobotFileError`: there is none,
+        or it is of a kind that cannot be read.
         """
         shown = f'{where}: mesh "{printable(name, 200)}"'
         if "\\" in name or re.match(r"[A-Za-z]:", name):

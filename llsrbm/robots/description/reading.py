@@ -40,10 +40,8 @@ Colour = tuple[float, ...]
 
 
 def read_description(urdf: Path, where: str) -> Description:
-    """Read a URDF; `where`: how messages begin, which name the file.
-
-    Raises:
-        RobotFileError: one line that names the link or joint and the value that is wrong.
+    """Read a URDF; `where`: how messages begin, which name the file. Raises `RobotFileError`: one
+    line that names the link or joint and the value that is wrong.
     """
     root = Part(read_xml(urdf, where), where)
     root.children(_OF_ROBOT)

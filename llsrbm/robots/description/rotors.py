@@ -49,9 +49,7 @@ def srdf_rotors(robot: Description) -> tuple[dict[str, float], str]:
     Its `<rotor_params><joint name="" mass="" gear_ratio=""/>` as example-robot-data has them: the
     rotor's inertia, kg m2, and the gear. SRDFs beside the URDF and in the folder `srdf` beside its
     folder are looked at, the one of its name first. Empty where none has rotors of its joints.
-
-    Raises:
-        RobotFileError: one that has rotors is no SRDF, or has a number that is none.
+    Raises `RobotFileError`: one that has rotors is no SRDF, or has a number that is none.
     """
     folders = robot.file.parent, robot.file.parent.parent / "srdf"
     files = {file for folder in folders for file in folder.glob("*.srdf")}

@@ -32,10 +32,8 @@ class _Builder(ET.TreeBuilder):
 
 
 def read_xml(path: Path, where: str, kind: str = "a URDF") -> ET.Element:
-    """The root element of a URDF or an SRDF, `kind`; `where`: how messages begin.
-
-    Raises:
-        RobotFileError: it cannot be read, is in another encoding than it says, or is none.
+    """The root element of a URDF or an SRDF, `kind`; `where`: how messages begin. Raises
+    `RobotFileError`: it cannot be read, is in another encoding than it says, or is none.
     """
     try:
         content = path.read_bytes()

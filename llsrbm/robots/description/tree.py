@@ -59,10 +59,8 @@ def check_tree(links: Mapping[str, Link], joints: Mapping[str, Joint], where: st
 
 
 def without_floating_root(robot: Description, where: str) -> Description:
-    """The robot without a world that its first link floats in: every root floats anyway.
-
-    Raises:
-        RobotFileError: another joint floats, or that world is more than a name.
+    """The robot without a world that its first link floats in: every root floats anyway. Raises
+    `RobotFileError`: another joint floats, or that world is more than a name.
     """
     floating = [joint for joint in robot.joints.values() if joint.kind == "floating"]
     if not floating:

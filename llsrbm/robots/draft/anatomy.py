@@ -88,10 +88,8 @@ class Anatomy:
 
 
 def read_anatomy(urdf: Path) -> Anatomy:
-    """Find the legs of a URDF.
-
-    Raises:
-        RobotFileError: it is no URDF, or none of a robot with legs of their own joints.
+    """Find the legs of a URDF. Raises `RobotFileError`: it is no URDF, or none of a robot with legs
+    of their own joints.
     """
     where = str(urdf)
     source = read_description(urdf, where)
