@@ -2,12 +2,13 @@
 
 import logging
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm import api
+from llsrbm import api, certified_plan
 from llsrbm.certificate import certified
 from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.horizon import Iterate
@@ -136,26 +137,39 @@ def test_without_a_draft_it_is_the_plan_that_it_is_with_one(name):
     np.testing.assert_allclose(without.foot_in_hip[-1], draft.foot_in_hip[-1], atol=0.02)
 
 
-def test_no_draft_is_made_where_the_table_leads_to_a_plan_that_holds(monkeypatch):
-    monkeypatch.setattr(api, "planner_of", lambda *_, **__: pytest.fail("a draft was begun"))
-    plan = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+NEAR_THE_TABLE = Jump(robot=ROBOT, twist=0.4, forward=0.1)
+
+
+@cache
+def from_the_table():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(api, "planner_of", lambda *_, **__: pytest.fail("a draft was begun"))
+        return llsrbm.plan(NEAR_THE_TABLE)
+
+
+def test_no_draft_is_made_where_the_table_leads_to_a_plan_that_holds():
+    plan = from_the_table()
     assert plan.certified
     assert (plan.report.attempts, plan.report.iterations) == (0, 0)
 
 
 def test_a_draft_is_made_where_the_certificate_does_not_hold(monkeypatch):
-    nearby = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+    nearby = from_the_table()
     held = iter([False])
-    monkeypatch.setattr(api, "certified", lambda p: p if not next(held, True) else certified(p))
-    plan = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
+    monkeypatch.setattr(
+        certified_plan,
+        "certified",
+        lambda plan, robot: plan if not next(held, True) else certified(plan, robot),
+    )
+    plan = llsrbm.plan(NEAR_THE_TABLE)
     assert plan.certified
     assert plan.report.attempts > 0
     assert plan.refinement.iterations > 2 * nearby.refinement.iterations  # not from the table again
 
 
 def test_what_had_no_draft_starts_no_draft():
-    near = llsrbm.plan(Jump(robot=ROBOT, twist=0.4, forward=0.1))
-    draft = llsrbm.plan(Jump(robot=ROBOT, twist=0.42, forward=0.1), near=near, draft=True)
+    jump = replace(NEAR_THE_TABLE, twist=0.42)
+    draft = llsrbm.plan(jump, near=from_the_table(), draft=True)
     assert draft.solved
     assert draft.report.guess == "from the analytic guess"
 

@@ -12,6 +12,7 @@ from llsrbm.body.efforts import efforts
 from llsrbm.certificate import certify
 from llsrbm.motion.sampling import resample
 from llsrbm.ocp.horizon import Solution
+from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.whole_body import refine, rounds
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.sizes import line
@@ -25,6 +26,7 @@ def plans():
     return first, refine.refined(first), load_robot("go2")
 
 
+@cache
 def motion():
     first, _, _ = plans()
     refiner = refine.refiner_of(first)
@@ -190,7 +192,7 @@ def test_lines_are_integrated(share):
 def test_links_keep_apart_where_the_nearest_motion_would_have_them_meet():
     """In a twist with some way forward Go2's front feet cross in mid-flight."""
     jump = llsrbm.Jump(robot="go2", twist=-2.0, forward=0.285, lateral=-0.122, height=-0.072)
-    first = llsrbm.plan(jump, draft=True)
+    first = planner_of(jump).plan(jump, patient=False)
     second = refine.refined(first)
     assert second.refined
     assert certify(second)["self_distance"].worst > 5e-3
