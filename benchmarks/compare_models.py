@@ -42,7 +42,7 @@ def main() -> None:
     wrong = 0
     for request in REQUESTS if chosen is None else [REQUESTS[chosen]]:
         began = time.perf_counter()
-        ways = [_way(request, model) for model in models.names()]
+        ways = [_way(request, model) for model in models.MODELS]
         text = sentence(ways)
         faults = _faults(text, ways)
         wrong += len(faults)

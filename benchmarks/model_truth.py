@@ -42,7 +42,7 @@ def main() -> None:
         default=[jump_types.DEFAULT],
         help=f'jump types, or "all": {", ".join(jump_types.names())}',
     )
-    parser.add_argument("--model", nargs="+", default=models.names(), choices=models.names())
+    parser.add_argument("--model", nargs="+", default=[*models.MODELS], choices=[*models.MODELS])
     parser.add_argument("--seeds", type=seeds_of, help="to simulate with: first:last+1")
     arguments = parser.parse_args()
     types = list(jump_types.names()) if arguments.type == ["all"] else arguments.type
