@@ -27,6 +27,7 @@ NEAR = 0.08
 PAIRS = 2  # a limb, of links, or of a link and a box, that are kept apart: the soonest
 FAR = 1.0  # m, of rows that no pair needs: all rows have bounds (`llsrbm.ocp.horizon.Problem`)
 LEAST = 0.005  # m that links may be apart; from boxes nothing
+TRUNK = 1  # Pinocchio's joint
 BETWEEN = 0.008  # m more, for what is between the instants that are looked at
 
 
@@ -64,11 +65,13 @@ class Apart:
         planned: Array,
         robot: Robot,
         solids: tuple[Block, ...],
+        trunk: Array,
         before: Apart | None = None,
         others: Mapping[int, tuple[Row, ...]] | None = None,
     ) -> Apart:
         """About postures q (2 N + 1, nq) at times (2 N + 1,) s; `planned`: attitudes (N + 1, 4).
 
+        `trunk`: (2 N + 1,) m that the trunk keeps from what may be stood on; other links nothing.
         Rows that are free have what `before` says: about another posture the same pair may be kept
         apart along another direction, and without the former one motions go from one to the other.
         `others`: rows of instants beside those of the pairs, the last ones.
@@ -84,7 +87,8 @@ class Apart:
             pin.computeJointJacobians(robot.model, data, q[t])
             here = [box for box in boxes if box.block.from_s <= time[t] < box.block.until_s]
             own = (others or {}).get(t, ())
-            found = sorted(_found(links, data, q[t], here, t), key=_soon)[: most - len(own)]
+            near = sorted(_found(links, data, q[t], here, t, trunk[t]), key=_soon)
+            found = near[: most - len(own)]
             turned = _turned(planned[t // 2], q[t, 3:7])
             state = np.concatenate([q[t, :3], turned, q[t, 7:]])
             free = slice(len(found), most - len(own))
@@ -120,18 +124,23 @@ class _Solid(NamedTuple):
 
 
 def _found(
-    links: NearLinks, data: pin.Data, q: Array, solids: list[_Solid], t: int
+    links: NearLinks, data: pin.Data, q: Array, solids: list[_Solid], t: int, trunk: float
 ) -> Iterator[Row]:
-    """Distances of all that is near at a knot."""
+    """Distances of all that is near at a knot; from a solid the trunk's, and the nearest limb's."""
     for near in links.at(data, q, links.within(NEAR)):
         yield Row(near.distance - LEAST, BETWEEN, np.concatenate([np.zeros(6), near.slope]))
     R_world_base = data.oMi[1].rotation
+    of_trunk = np.array([shape.joint == TRUNK for shape in links.shapes.shapes])
     for solid in solids:
-        _, shape, placement, bounds = solid
-        distance, slope = away_from(links.shapes, data, shape, placement, bounds[t], NEAR)
-        if distance < NEAR:
-            moved = np.concatenate([R_world_base @ slope[:3], slope[3:]])
-            yield Row(distance, BETWEEN, moved)
+        room = 0.0 if solid.block.untouched else trunk
+        for own, kept in ((of_trunk, room), (~of_trunk, 0.0)):
+            bounds, within = np.where(own, solid.bounds[t], np.inf), NEAR + kept
+            distance, slope = away_from(
+                links.shapes, data, solid.shape, solid.placement, bounds, within
+            )
+            if distance < within:
+                moved = np.concatenate([R_world_base @ slope[:3], slope[3:]])
+                yield Row(distance - kept, BETWEEN, moved)
 
 
 def _soon(row: Row) -> float:

@@ -21,7 +21,7 @@ from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_problem
 from llsrbm.planning.whole_body.sizes import Sizes
-from llsrbm.planning.whole_body.start import Start, variables
+from llsrbm.planning.whole_body.start import Start, trunk_room, variables
 from llsrbm.planning.whole_body.tops import tops
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
@@ -146,7 +146,8 @@ class Rounds:
     def _apart(self, motion: Motion, start: Start) -> Apart:
         q, quat = motion.at(start.time).q, start.state["quat"]
         others = tops(q, self.grid, start.task, self.robot)
-        return Apart.near(q, start.time, quat, self.robot, start.solids, start.apart, others)
+        trunk = trunk_room(self.grid)
+        return Apart.near(q, start.time, quat, self.robot, start.solids, trunk, start.apart, others)
 
     def _violations(
         self, solution: Solution, problem: Problem, rows: RowBounds

@@ -30,6 +30,10 @@ Array = NDArray[np.float64]
 NEAR = 1.0
 STRAIGHTER = 5.0  # times the costs of what is steep, where much is missing between the nodes
 INSIDE = 1e-3  # s, of a duration's bounds
+# m that the trunk keeps from the ground once the robot has landed: simulated trunks sink 1 to 6 cm
+# deeper than planned. Of 16 of Go2's jumps at the edges of its ranges, each simulated three times
+# with everything disturbed, 34 of 48 land strictly without and 44 with it.
+SINKS = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,9 +145,18 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
         weights=_weights(task),
         solids=solids,
         apart=Apart.near(
-            q, time, state["quat"][::2], robot, solids, others=tops(q, grid, task, robot)
+            *(q, time, state["quat"][::2], robot, solids, trunk_room(grid)),
+            others=tops(q, grid, task, robot),
         ),
     )
+
+
+def trunk_room(grid: Grid) -> Array:
+    """(2 N + 1,) m that the trunk keeps from ground and boxes: where legs stand after a flight."""
+    stands = [bool(legs) for legs, _ in grid.phases]
+    landed = [p for p, stand in enumerate(stands) if stand and not all(stands[:p])]
+    phase = np.minimum(grid.shares.astype(np.int64), len(stands) - 1)
+    return np.where(np.isin(phase, landed), SINKS, 0.0)
 
 
 def variables(start: Start, grid: Grid, sizes: Sizes) -> Array:

@@ -6,9 +6,10 @@ import pytest
 
 import llsrbm
 from llsrbm.planning.whole_body import apart
+from llsrbm.planning.whole_body import start as start_module
 from llsrbm.planning.whole_body.apart import BETWEEN, FAR, Apart
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.start import start_of
+from llsrbm.planning.whole_body.start import start_of, trunk_room
 from llsrbm.robots import load_robot
 
 
@@ -29,7 +30,8 @@ def test_they_tell_how_near_things_are_beside_the_motion(start):
     step = 1e-4 * rng.normal(size=robot.model.nv)
     moved = np.array([pin.integrate(robot.model, each, step) for each in q])
     here, there = (
-        Apart.near(each, start.time, planned, robot, start.solids) for each in (q, moved)
+        Apart.near(each, start.time, planned, robot, start.solids, np.zeros(len(q)))
+        for each in (q, moved)
     )
     shift = moved[:, :3] - q[:, :3]
     state = np.hstack([place + shift, np.tile(step[3:6], (len(q), 1)), moved[:, 7:]])
@@ -46,3 +48,24 @@ def test_the_box_that_is_jumped_onto_is_among_them(monkeypatch):
     assert "box" in [solid.name for solid in start.solids]
     of_base = np.abs(start.apart.slope[:, :, :3]).max(axis=(1, 2))
     assert (of_base > 0.5).any()
+
+
+def lowest_once_landed(plan):
+    """m, of the base's origin above the feet."""
+    landed = plan.time >= plan.touchdown
+    return plan.base_position[landed, 2].min() - plan.foot_position[-1, :, 2].min()
+
+
+def test_once_it_has_landed_the_trunk_keeps_from_the_ground(monkeypatch):
+    jump = llsrbm.Jump(robot="go2", twist=1.66, forward=-0.1, lateral=-0.24, height=-0.1)
+    keeps = llsrbm.plan(jump)
+    assert keeps.certified
+    monkeypatch.setattr(start_module, "SINKS", 0.0)
+    assert lowest_once_landed(keeps) > lowest_once_landed(llsrbm.plan(jump)) + 0.008
+
+
+def test_the_trunk_keeps_away_after_every_flight_and_not_before():
+    all_legs, none = (0, 1, 2, 3), ()
+    phases = tuple((legs, 2) for legs in (all_legs, none, all_legs, none, all_legs))
+    room = trunk_room(Grid(phases))
+    np.testing.assert_array_equal(np.flatnonzero(room), [*range(8, 12), *range(16, 21)])
