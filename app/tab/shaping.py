@@ -49,8 +49,12 @@ class Apex:
 
 @dataclass(frozen=True)
 class Handles:
-    """Everything that can be dragged in a timeline."""
+    """Everything that can be dragged in a timeline; starts: s, of the phases, and the end.
 
+    The page's script reads all of it (app/static/shaping.js).
+    """
+
+    starts: tuple[float, ...]
     edges: tuple[Edge, ...]
     apex: Apex | None
 
@@ -70,7 +74,7 @@ def handles_of(state: TabState) -> Handles | None:
     plan = shown.plan
     if (plan.jump.robot, plan.jump.type) != (design.jump.robot, design.jump.type):
         return None
-    return Handles(_edges(plan, robot), _apex(plan))
+    return Handles(tuple(plan.phase_start.tolist()), _edges(plan, robot), _apex(plan))
 
 
 def _edges(plan: Plan, robot: Robot) -> tuple[Edge, ...]:
