@@ -206,6 +206,7 @@ def test_a_state_that_led_to_a_defect_is_not_found_again(designer, monkeypatch):
 
 
 def test_a_slow_page_is_sent_the_newest_clip_next(designer, tab, session, script):
+    tab.wait_for_status("Feasible")  # whose clip is there
     loads = len(script.calls("player.load"))
     taken, script.take = script.take, lambda source: None  # it does not take clips any more
     for forward in (0.1, 0.2, 0.3):
