@@ -13,12 +13,12 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.certificate.finding import Check, Finding
-from llsrbm.certificate.least_distance import least_distance
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import Block, Surroundings, surroundings
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.scenario import Scenario
+from llsrbm.robots.least_distance import least_distance, way_of
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
@@ -41,10 +41,8 @@ class SelfDistance(Check):
             return self.nothing("no links can meet")
         if (lost := motion.lost) is not None:
             return self.least(motion, -np.inf, lost, APART, "")
-        distance, pair = shapes.nearest(motion.q)
-        k = int(distance.argmin())
-        names = " - ".join(shapes.pairs[pair[k]])
-        return self.least(motion, float(distance[k]), k, APART, names)
+        distance, instant, pair = shapes.least(motion.q)
+        return self.least(motion, distance, instant, APART, " - ".join(pair))
 
 
 class Clearance(Check):
@@ -96,13 +94,11 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, s
         here = coal.Transform3s(rotation[instant, s], centre[instant, s])
         return float(coal.distance(geometries[s], here, boxes[b], places[b], request, result))
 
-    def moved(instant: int, pair: int) -> Array:
+    def way(pair: int) -> Array:
         s = pair // len(boxes)
-        went = np.linalg.norm(middle[:, s] - middle[instant, s], axis=1)
-        turned = np.linalg.norm(rotation[:, s] - rotation[instant, s], axis=(1, 2))
-        return went + radii[s] * turned / np.sqrt(2)
+        return way_of(rotation[:, s], middle[:, s], radii[s])
 
-    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, moved)
+    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, way)
     s, b = divmod(pair, len(boxes))
     return least, instant, f"{shapes[s].link} - {bodies[b].name}"
 

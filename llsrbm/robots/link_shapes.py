@@ -20,7 +20,9 @@ import pinocchio as pin
 from llsrbm.arrays import Array, IntArray
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
+from llsrbm.mechanics import apply
 from llsrbm.request.messages import choices
+from llsrbm.robots.least_distance import least_distance, way_of
 from llsrbm.robots.placements import placements
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
@@ -58,30 +60,37 @@ class LinkShapes:
         """(T, P) m, as `distances` of q (T, nq); infinite of pairs not seen to be `within` (m)."""
         found = np.full((len(postures), len(self.pairs)), np.inf)
         place, measure = self._by_pinocchio()
-        for t, bounds in enumerate(self._bounds(postures)):
+        bounds = self._bounds(self._sphere_centres(placements(self.robot.model, postures)))
+        for t in range(len(postures)):
             place(postures[t])
-            for k in np.flatnonzero(bounds < within):
+            for k in np.flatnonzero(bounds[t] < within):
                 pair = self.pair_of[k]
                 found[t, pair] = min(found[t, pair], measure(int(k)).min_distance)
         return found
 
-    def nearest(self, postures: Array) -> tuple[Array, IntArray]:
-        """(T,) m, the smallest distance in postures q (T, nq), and (T,) its place in `pairs`.
+    def least(self, postures: Array) -> tuple[float, int, Pair]:
+        """The least distance in postures q (T, nq) that follow each other, m; in which, of whom.
 
-        Infinite, with -1, without pairs. Many times as fast as `distances`: pairs whose spheres
-        are farther apart than the least distance are not measured.
+        Many times as fast as `distances`: few are measured. There are pairs.
         """
-        least, at = np.full(len(postures), np.inf), np.full(len(postures), -1)
         place, measure = self._by_pinocchio()
-        for t, bounds in enumerate(self._bounds(postures)):
+        placed = placements(self.robot.model, postures)
+        centres, (_, radius) = self._sphere_centres(placed), self.spheres
+
+        def measured(t: int, k: int) -> float:
             place(postures[t])
-            for k in np.argsort(bounds):
-                if bounds[k] >= least[t]:
-                    break
-                distance = measure(int(k)).min_distance
-                if distance < least[t]:
-                    least[t], at[t] = distance, self.pair_of[k]
-        return least, at
+            return measure(k).min_distance
+
+        def way(k: int) -> Array:
+            """The smaller one's way, seen from the larger one."""
+            small, large = sorted(self.shape_pairs[k], key=radius.__getitem__)
+            turn, origin = (each[:, self.shapes[large].joint] for each in placed)
+            back = np.swapaxes(turn, -1, -2)
+            seen = back @ placed[0][:, self.shapes[small].joint]
+            return way_of(seen, apply(back, centres[:, small] - origin), radius[small])
+
+        distance, instant, k = least_distance(self._bounds(centres), measured, way)
+        return distance, instant, self.pairs[self.pair_of[k]]
 
     def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""
@@ -97,7 +106,8 @@ class LinkShapes:
         """(T, S) m: what each link's shape is away at least from one in the world; feet are far."""
         shape.computeLocalAABB()
         low, high = shape.aabb_local.min_, shape.aabb_local.max_
-        at = (self._sphere_centres(postures) - placement.translation) @ placement.rotation
+        centres = self._sphere_centres(placements(self.robot.model, postures))
+        at = (centres - placement.translation) @ placement.rotation
         bounds: Array = np.linalg.norm(at - np.clip(at, low, high), axis=-1) - self.spheres[1]
         bounds[:, [own.foot for own in self.shapes]] = np.inf
         return bounds
@@ -184,17 +194,17 @@ class LinkShapes:
 
         return place, measure
 
-    def _bounds(self, postures: Array) -> Array:
+    def _bounds(self, centres: Array) -> Array:
         """(T, K) m: what the distance of each of the geometry's pairs is at least."""
-        centres, radius = self._sphere_centres(postures), self.spheres[1]
+        radius = self.spheres[1]
         one, other = np.reshape(np.array(self.shape_pairs, dtype=np.int64), (-1, 2)).T
         apart = np.linalg.norm(centres[:, one] - centres[:, other], axis=-1)
         return apart - radius[one] - radius[other]
 
-    def _sphere_centres(self, postures: Array) -> Array:
-        """(T, S, 3) m, in the world."""
+    def _sphere_centres(self, placed: tuple[Array, Array]) -> Array:
+        """(T, S, 3) m, in the world; `placed`: of `placements`."""
         joints = [shape.joint for shape in self.shapes]
-        turn, origin = (each[:, joints] for each in placements(self.robot.model, postures))
+        turn, origin = (each[:, joints] for each in placed)
         return origin + np.einsum("tsij,sj->tsi", turn, self.spheres[0])
 
     @cached_property

@@ -111,8 +111,9 @@ class Rounds:
         force, moment = (np.linalg.norm(part, axis=1).max() for part in np.split(lacks, 2, axis=1))
         missed = max(force, moment / ARM)
         # Links may pass through each other between the instants at which they are apart.
-        passing = LinkShapes.of(self.robot).near_distances(at.q, within=0.0)
-        if (passing < 0).any() or missed >= self._missed:
+        links = LinkShapes.of(self.robot)
+        passing = bool(links.pairs) and links.least(at.q)[0] < 0
+        if passing or missed >= self._missed:
             return False
         self.motion, self.start, self.solution = motion, start, self.solutions[-1]
         self.solved, self._missed = True, float(missed)

@@ -14,7 +14,7 @@ def nearest(name, positions):
     """m, the least distance of links in postures of the joints (T, J)."""
     robot = load_robot(name)
     q = np.hstack([np.tile(robot.posture[:7], (len(positions), 1)), positions])
-    return LinkShapes.of(robot).nearest(q)[0].min()
+    return LinkShapes.of(robot).least(q)[0]
 
 
 def closing(name, turn):

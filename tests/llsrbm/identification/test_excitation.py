@@ -32,7 +32,7 @@ def test_it_stays_within_stops_speeds_torques_and_apart(name):
     assert (np.abs(found.torques()) < 0.5 * robot.torque_limit).all()
     assert (np.abs(q - found.posture).max(axis=0) > 0.02).all()
     base = np.tile([*robot.posture[:3], 0, 0, 0, 1], (len(q), 1))
-    assert LinkShapes.of(robot).nearest(np.hstack([base, q]))[0].min() > 0.003
+    assert LinkShapes.of(robot).least(np.hstack([base, q]))[0] > 0.003
     assert v[0] == pytest.approx(0.0, abs=1e-9)
     assert v[-1] == pytest.approx(0.0, abs=1e-9)
 

@@ -91,4 +91,4 @@ def test_links_that_would_meet_soonest_are_of_different_limbs():
     front = [robot.legs[leg].q_index[0] - 7 for leg in (0, 1)]
     assert abs(first.slope[front[0]]) > 0.1
     assert first.slope[front[0]] == pytest.approx(-first.slope[front[1]], abs=0.02)
-    assert first.distance > shapes.nearest(closing[None])[0][0]
+    assert first.distance > shapes.least(closing[None])[0]
