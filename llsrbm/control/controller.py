@@ -32,9 +32,11 @@ _NOT_NEEDED = np.zeros(6)  # by detectors, which listen in flight alone
 # A foot of a body that turns over sweeps over the ground at 4 m/s; where it seeks the ground it
 # stops that, so many times as fast as feet that swing are damped.
 _STOPS_SWEEPING = 3.0
-# m/s at which feet seek the ground once others stand; those of a body that turned over, which at
-# 0.5 m/s come 30 ms late and leave it to one pair of legs, so that calves touch the ground.
-_SEEKING, _SEEKING_TURNED = 0.5, 2.5
+# m/s at which feet seek the ground once others stand. A body that lands tilted has one pair of feet
+# 1 cm above the ground, and it falls on while it waits for them, as forces of the other pair alone
+# would turn it: at 0.5 m/s they come 30 ms late, and the trunk may meet the ground. 4 m/s is no
+# better, and feet slip more.
+_SEEKING = 2.5
 # As feet strike, legs that are still in the air are what the attitude's weight would swing to hold
 # it, at 7 m/s and off the ground: where feet seek it they count so many times as where they swing.
 _SEEKS = 10.0
@@ -100,11 +102,7 @@ class WholeBodyController:
         # By which feet stand and which seek the ground: few of all that could be.
         self._feet: dict[tuple[bytes, bytes], list[tuple[tasks.Task, float]]] = {}
         self._carried: dict[bytes, Array] = {}  # by which feet stand
-        turns = plan.jump.turns
-        self._seeking = (
-            _SEEKING_TURNED if turns else _SEEKING,
-            gains.swing[1] * (_STOPS_SWEEPING if turns else 1.0),
-        )
+        self._seeking_damping = gains.swing[1] * (_STOPS_SWEEPING if plan.jump.turns else 1.0)
         self._points = points
         self._momentum_share = 1.0
         self._stretch = np.zeros(3)  # m: of the legs in flight, down if negative
@@ -287,7 +285,8 @@ class WholeBodyController:
                 task = tasks.StandingFeet(stand, self._points, gains.standing)
                 feet.append((task, weights.contact))
             if seek:
-                feet.append((tasks.SeekingFeet(seek, *self._seeking), _SEEKS * weights.swing))
+                down = tasks.SeekingFeet(seek, _SEEKING, self._seeking_damping)
+                feet.append((down, _SEEKS * weights.swing))
             if swing:
                 feet.append((tasks.SwingFeet(swing, gains.swing), weights.swing))
             if self._points > 1:
