@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
@@ -11,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.certified_plan import CertifiedPlanner
+from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
-from llsrbm.planning.answer.planner import Planner, planner_of
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import PlanningProgress
 from llsrbm.planning.whole_body.refine import planned
@@ -61,8 +61,7 @@ def plan(
         limits: limit name -> value, in place of the robot's (`llsrbm.planning.problem.limits`).
         near: a plan of a nearby request to the same robot and model to start drafts from, for
             speed; one that had no draft is left.
-        guesses: begin from jumps nearby that were solved before, where the robot has a table of
-            some (`llsrbm robot learn`).
+        guesses: begin from jumps of the robot's table (`llsrbm robot learn`), where it has one.
         patient: look for the nearest jump that can be planned where the request cannot at once,
             now and then the request itself. Otherwise the first attempts are all.
         explains: whether what the request would need is found out, by further solves.
@@ -74,77 +73,46 @@ def plan(
 
     Raises:
         InputError: an unknown name, a request or a limit out of the robot's range, or a plan to
-            start from that is of another robot, model or version of the planner, or that failed.
+            start from that is of another robot, model or version, or that failed.
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint. With patience and the default solver
             its `nearest` is the plan of the nearest jump, and its `reason` what stops the rest.
     """
     jump = of_its_type(jump)
-    # A request out of range builds no solver.
     robot = load_robot(jump.robot)
+    # A request out of range builds no solver.
     task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
-    # Jumps nearby are tried before a draft is made, if there are some.
-    from_nearby = guesses and solver != solver_names()[0]
-    whole_body = CertifiedPlanner(guesses=from_nearby, cancelled=cancelled, progress=progress)
-    if guesses and not draft and solver == solver_names()[0]:
-        counts = layout_of(jump, robot, intervals).intervals
-        drives = with_strength(robot)
-        begun = planned(task, drives, counts, cancelled=cancelled, progress=progress)
-        if begun is not None and (whole := whole_body.checked(begun)).certified:
-            return whole
-    bare = replace(jump, payload=())  # of the first stage, whose solvers have the robot's own mass
-    planner, build_time = _timed_planner(bare, solver, intervals, cancelled, limits)
-    try:
-        first = planner.plan(
-            bare,
-            weights=weights,
-            limits=limits,
-            near=_alone(near, robot) if near is not None and _has_draft(near) else None,
-            patient=patient,
-            explains=explains,
-            hurried=hurried,
-            cancelled=cancelled,
-            progress=progress,
+    drafting = Drafting(
+        solver, intervals, weights, limits, near, patient, explains, hurried, cancelled, progress
+    )
+    if draft:
+        return drafting.draft(jump, robot)
+    return _whole_body_plan(task, robot, drafting, guesses)
+
+
+def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool) -> Plan:
+    """From a table's jumps where there are some and the certificate holds so; else from a draft."""
+    planner = CertifiedPlanner(
+        guesses=guesses, cancelled=drafting.cancelled, progress=drafting.progress
+    )
+    before_drafts = guesses and drafting.solver == solver_names()[0]
+    if before_drafts:
+        counts = layout_of(task.jump, robot, drafting.intervals).intervals
+        begun = planned(
+            task,
+            with_strength(robot),
+            counts,
+            cancelled=drafting.cancelled,
+            progress=drafting.progress,
         )
+        if begun is not None and (found := planner.checked(begun)).certified:
+            return found
+    try:
+        draft = drafting.draft(task.jump, robot)
     except NotConverged as error:
-        nearest = error.nearest and _carrying(error.nearest, jump)
-        if nearest is not None and not draft:
-            nearest = replace(whole_body, guesses=guesses).plan(nearest)
-        raise error.with_plans(_carrying(error.plan, jump), nearest) from None
-    first = replace(first, report=replace(first.report, build_time_s=build_time))
-    first = _carrying(first, jump)
-    return first if draft else whole_body.plan(first)
-
-
-def _carrying(plan: Plan, jump: Jump) -> Plan:
-    """A plan of the robot alone as the draft of one with the jump's payload."""
-    return replace(plan, jump=replace(plan.jump, payload=jump.payload))
-
-
-def _has_draft(near: Plan) -> bool:
-    return near.report.attempts > 0
-
-
-def _alone(near: Plan, robot: Robot) -> Plan:
-    """A plan as that of the robot without its payload, which its first stage is of."""
-    if not near.jump.payload:
-        return near
-    carried = with_payload(robot, near.jump.payload).parameters()
-    numbers = robot.parameters() if near.robot_parameters == carried else near.robot_parameters
-    return replace(near, jump=replace(near.jump, payload=()), robot_parameters=numbers)
-
-
-def _timed_planner(
-    jump: Jump,
-    solver: str,
-    intervals: int,
-    cancelled: Callable[[], bool] | None,
-    limits: Mapping[str, float] | None,
-) -> tuple[Planner, float]:
-    """A jump's planner, and the time (s) that building it took."""
-    start = time.perf_counter()
-    planner = planner_of(jump, solver, intervals, cancelled=cancelled, limits=limits)
-    return planner, time.perf_counter() - start
+        nearest = error.nearest and planner.plan(error.nearest)
+        raise error.with_plans(error.plan, nearest) from None
+    return replace(planner, guesses=guesses and not before_drafts).plan(draft)
 
 
 def simulate(

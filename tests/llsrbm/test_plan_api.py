@@ -6,7 +6,7 @@ from functools import cache
 import pytest
 
 import llsrbm
-from llsrbm import api, certified_plan
+from llsrbm import certified_plan, drafting
 from llsrbm.analysis.wording import plan_rows
 from llsrbm.errors import NotConverged
 from llsrbm.motion.solve_report import Refinement
@@ -64,7 +64,7 @@ def test_the_nearest_jumps_plan_is_likewise(monkeypatch, as_draft):
         def plan(self, jump, **_):
             raise NotConverged("too far", failed, nearest=draft(), reason="its knees")
 
-    monkeypatch.setattr(api, "_timed_planner", lambda *_: (Refusing(), 0.0))
+    monkeypatch.setattr(drafting, "planner_of", lambda *_, **__: Refusing())
     with pytest.raises(NotConverged, match="too far") as caught:
         llsrbm.plan(JUMP, draft=as_draft, guesses=False)
     assert caught.value.reason == "its knees"

@@ -36,6 +36,7 @@ from llsrbm.planning.replan.under_way import (
     plan_quat,
     planned_state,
     relaxed_limits,
+    swings_begun,
 )
 from llsrbm.planning.solve.formulation import Formulation, knot_arrays
 from llsrbm.planning.solve.kept import kept
@@ -234,7 +235,7 @@ class Replanner:
             feet=np.array(x).T,
             feet_velocity=np.array(xdot).T,
             heights=state.foot_position[:, 2],
-            begun=self._begun(state),
+            begun=swings_begun(plan, state),
             arms=arms,
         )
         places, goal = self._places(state)
@@ -251,17 +252,6 @@ class Replanner:
             motion=motion,
             clears=False,
         )
-
-    def _begun(self, state: State) -> Array:
-        """(L,) share of its swing that is over of each foot."""
-        start, stands = self.plan.phase_start, self.plan.schedule.stands
-        begun = np.zeros(stands.shape[1])
-        for leg in np.flatnonzero(~stands[state.phase]):
-            before = np.flatnonzero(stands[: state.phase, leg])[-1]
-            after = state.phase + np.flatnonzero(stands[state.phase :, leg])[0]
-            lift, touch = start[before + 1], start[after]
-            begun[leg] = np.clip((state.time - lift) / (touch - lift), 0.0, 1.0)
-        return begun
 
     def _places(self, state: State) -> tuple[tuple[Footholds, ...], Array]:
         """Where feet stand and will stand, and where the CoM ends.

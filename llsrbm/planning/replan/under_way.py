@@ -107,3 +107,15 @@ def falling_time(height: float, speed: float) -> float:
 def plan_quat(plan: Plan, time: float) -> Array:
     """(4,) of the nearest knot, with the plan's sign."""
     return plan.base_quat[int(np.argmin(np.abs(plan.time - time)))]
+
+
+def swings_begun(plan: Plan, state: State) -> Array:
+    """(L,) share of its swing that is over of each foot."""
+    start, stands = plan.phase_start, plan.schedule.stands
+    begun = np.zeros(stands.shape[1])
+    for leg in np.flatnonzero(~stands[state.phase]):
+        before = np.flatnonzero(stands[: state.phase, leg])[-1]
+        after = state.phase + np.flatnonzero(stands[state.phase :, leg])[0]
+        lift, touch = start[before + 1], start[after]
+        begun[leg] = np.clip((state.time - lift) / (touch - lift), 0.0, 1.0)
+    return begun

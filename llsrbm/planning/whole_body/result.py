@@ -63,12 +63,6 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     limit = torque_in_direction(robot, nodes.v[:, 6:], torque)
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
-    foot_base = robot.chains.motion(q_legs).foot
-    in_hip = robot.mirrors * (foot_base - robot.hips)
-    if robot.foot_coordinates > 3:
-        across = np.swapaxes(R, -1, -2)[:, None] @ foot_rotation[..., 1:2]
-        turned = np.arctan2(-across[..., 0, 0], across[..., 1, 0])
-        in_hip = np.dstack([in_hip, robot.mirrors[:, 0] * robot.mirrors[:, 1] * turned])
     found = replace(
         plan,
         robot_parameters=robot.parameters(),
@@ -92,7 +86,7 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
         joint_velocity=at.v[:, 6:],
         joint_names=robot.joint_names,
         joint_torque_limit=np.vstack([limit, robot.torque_limit]),
-        foot_in_hip=in_hip,
+        foot_in_hip=_in_hips(robot, q_legs, R, foot_rotation),
     )
     standing = standing_torque(robot, KnotMotion.of_plan(found), joints[-1])
     return replace(found, joint_torque=np.vstack([torque[:node_count], standing]))
@@ -128,6 +122,16 @@ def _of_soles(robot: Robot, rotation: Array) -> Array:
     none = np.zeros((*rotation.shape[:2], 4))
     none[..., 0] = 1.0
     return none
+
+
+def _in_hips(robot: Robot, q_legs: Array, R: Array, foot_rotation: Array) -> Array:
+    """(K, L, 3 or 4) places of feet beside their hips, of soles with their turn, all as if left."""
+    places: Array = robot.mirrors * (robot.chains.motion(q_legs).foot - robot.hips)
+    if robot.foot_coordinates == 3:
+        return places
+    across = np.swapaxes(R, -1, -2)[:, None] @ foot_rotation[..., 1:2]
+    turned = np.arctan2(-across[..., 0, 0], across[..., 1, 0])
+    return np.dstack([places, robot.mirrors[:, 0] * robot.mirrors[:, 1] * turned])
 
 
 def _resting(stands: NDArray[np.bool_]) -> NDArray[np.bool_]:
