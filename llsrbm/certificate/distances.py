@@ -23,13 +23,12 @@ from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
-APART = 0.005  # m between links
 TOUCHING = -0.005  # m: feet and legs are as far off between a plan's knots
 
 
 class SelfDistance(Check):
     """Links that can meet keep apart: worst is their least distance in m, negative inside each
-    other; at least 5 mm.
+    other; at least 5 mm, or half of what they are apart as the robot stands if that is less.
     """
 
     name, unit = "self_distance", "m"
@@ -40,9 +39,10 @@ class SelfDistance(Check):
         if not shapes.pairs:
             return self.nothing("no links can meet")
         if (lost := motion.lost) is not None:
-            return self.least(motion, -np.inf, lost, APART, "")
-        distance, instant, pair = shapes.least(motion.q)
-        return self.least(motion, distance, instant, APART, " - ".join(pair))
+            return self.least(motion, -np.inf, lost, float(shapes.apart.max()), "")
+        distance, instant, pair = shapes.least(motion.q, shapes.apart)
+        apart = float(shapes.apart[shapes.pairs.index(pair)])
+        return self.least(motion, distance, instant, apart, " - ".join(pair))
 
 
 class Clearance(Check):

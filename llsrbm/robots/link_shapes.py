@@ -32,6 +32,7 @@ Pair = tuple[str, str]  # names of links
 _SAMPLES = 4000  # random postures
 _NEAR = 0.03  # m: links that never come so near cannot meet
 _OFTEN = 0.5  # share of the postures: links that touch in more only seem to
+_APART = 0.005  # m that links are kept apart; less where a robot stands with less between them
 _WIDEST = np.pi  # rad to which joints without stops are turned
 _METHOD = "pairs 5"  # a new one makes cached pairs old
 
@@ -68,18 +69,20 @@ class LinkShapes:
                 found[t, pair] = min(found[t, pair], measure(int(k)).min_distance)
         return found
 
-    def least(self, postures: Array) -> tuple[float, int, Pair]:
+    def least(self, postures: Array, beyond: Array | None = None) -> tuple[float, int, Pair]:
         """The least distance in postures q (T, nq) that follow each other, m; in which, of whom.
 
-        Many times as fast as `distances`: few are measured. There are pairs.
+        `beyond`: (P,) m of each pair; least is what exceeds it least. Many times as fast as `distances`: few are measured. There are pairs.
         """
         place, measure = self._by_pinocchio()
         placed = placements(self.robot.model, postures)
+        needed = np.zeros(len(self.pairs)) if beyond is None else beyond
+        needed = needed[self.pair_of]
         centres, (_, radius) = self._sphere_centres(placed), self.spheres
 
         def measured(t: int, k: int) -> float:
             place(postures[t])
-            return measure(k).min_distance
+            return float(measure(k).min_distance - needed[k])
 
         def way(k: int) -> Array:
             """The smaller one's way, seen from the larger one."""
@@ -89,8 +92,19 @@ class LinkShapes:
             seen = back @ placed[0][:, self.shapes[small].joint]
             return way_of(seen, apply(back, centres[:, small] - origin), radius[small])
 
-        distance, instant, k = least_distance(self._bounds(centres), measured, way)
-        return distance, instant, self.pairs[self.pair_of[k]]
+        room, instant, k = least_distance(self._bounds(centres) - needed, measured, way)
+        return float(room + needed[k]), instant, self.pairs[self.pair_of[k]]
+
+    @cached_property
+    def apart(self) -> Array:
+        """(P,) m that links are to be apart: 5 mm, or half of what they are as the robot stands."""
+        return np.minimum(_APART, self.standing / 2)
+
+    @cached_property
+    def standing(self) -> Array:
+        """(P,) m, distances in the default posture; infinite of pairs that are not near there."""
+        found: Array = self.near_distances(self.robot.posture[None], _NEAR)[0]
+        return found
 
     def clearance(self, postures: Array, shape: coal.ShapeBase, placement: pin.SE3) -> Array:
         """(T,) m: least distance of links that are no feet to a shape that stands in the world."""

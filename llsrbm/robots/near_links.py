@@ -22,12 +22,13 @@ class Near:
     """Two shapes near each other.
 
     Attributes:
-        distance: m, negative inside each other.
+        pair: place in `LinkShapes.pairs`; distance: m, negative inside each other.
         slope: (J,) m per rad or m, its derivatives by the joints.
         joints: Pinocchio's of the two; points: (2, 3) m of them, nearest to each other; normal:
             (3,) from the one to the other; both in the world.
     """
 
+    pair: int
     distance: float
     slope: Array
     joints: tuple[int, int]
@@ -123,7 +124,9 @@ class NearLinks:
             for joint, point in zip(joints, points, strict=True)
         ]
         normal = np.array(found.normal)
-        return Near(found.min_distance, (along[1] - along[0])[6:], joints, points, normal)
+        slope = (along[1] - along[0])[6:]
+        place = int(self.shapes.pair_of[pair])
+        return Near(place, found.min_distance, slope, joints, points, normal)
 
 
 def away_from(

@@ -26,9 +26,9 @@ Array = NDArray[np.float64]
 NEAR = 0.08
 PAIRS = 2  # a limb, of links, or of a link and a box, that are kept apart: the soonest
 FAR = 1.0  # m, of rows that no pair needs: all rows have bounds (`llsrbm.ocp.horizon.Problem`)
-LEAST = 0.005  # m that links may be apart; from boxes nothing
 TRUNK = 1  # Pinocchio's joint
 BETWEEN = 0.008  # m more, for what is between the instants that are looked at
+STANDING = 0.75  # most of it, as a share of the room that a robot has as it stands
 
 
 class Row(NamedTuple):
@@ -127,8 +127,12 @@ def _found(
     links: NearLinks, data: pin.Data, q: Array, solids: list[_Solid], t: int, trunk: float
 ) -> Iterator[Row]:
     """Distances of all that is near at a knot; from a solid the trunk's, and the nearest limb's."""
+    least, standing = links.shapes.apart, links.shapes.standing
     for near in links.at(data, q, links.within(NEAR)):
-        yield Row(near.distance - LEAST, BETWEEN, np.concatenate([np.zeros(6), near.slope]))
+        at_least = least[near.pair]
+        kept = min(BETWEEN, STANDING * (standing[near.pair] - at_least))
+        slope = np.concatenate([np.zeros(6), near.slope])
+        yield Row(near.distance - at_least, kept, slope)
     R_world_base = data.oMi[1].rotation
     of_trunk = np.array([shape.joint == TRUNK for shape in links.shapes.shapes])
     for solid in solids:

@@ -49,8 +49,12 @@ class MeshPaths:
             package, expected = rest.partition("/")[0], f"it at {self._folder / rest}"
             if scheme in ("package", "model"):
                 expected = (
-                    f'a folder "{printable(package)}" above the URDF, or one whose package.xml '
-                    "has that name, or it in ROS_PACKAGE_PATH"
+                    f"it at {tried[0]}"
+                    if tried
+                    else (
+                        f'a folder "{printable(package)}" above the URDF, or one whose package.xml '
+                        "has that name, or it in ROS_PACKAGE_PATH"
+                    )
                 )
             raise RobotFileError(f"{shown} is missing; expected {expected}")
         if found.suffix.lower() not in _SUFFIXES:

@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 
 from llsrbm.arrays import Array
 from llsrbm.errors import RobotFileError
+from llsrbm.mechanics import GRAVITY
 from llsrbm.robots.draft import arm_posture, drives, turning
 from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.draft.turning import metres
@@ -25,6 +26,12 @@ _CLEARANCE, _APART = 0.13, 0.2
 _JUMPS = {"forward": (-0.5, 1.0), "lateral": (-0.5, 0.5), "height": (-0.3, 0.4)}
 # Of legs so long, m, the gains here are right, of point feet and of soles; times go with the root.
 _TUNED_LENGTH = (0.5, 0.9)
+# Longest distance of a foot from the resting hip, in lengths of the leg stretched in its plane: as
+# much as hips of robots that are tuned gain by turning aside, whose stops are narrow.
+_ASIDE = 1.08
+# s, of robots that are tuned; the shortest of those whose joints need more of their speed to catch
+# a fall, as ANYmal C's.
+_FLIGHT, _SHORT_FLIGHT, _QUICK = (0.3, 0.6), 0.2, 0.8
 _SAMPLES = 4000  # postures of a leg by which its length is measured
 _LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
 _STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
@@ -81,6 +88,9 @@ def propose(anatomy: Anatomy) -> Proposal:
         guessed["arms"] = "what hangs in a mirrored pair, up to the elbow"
         guessed["arm_reach"] = "to the stops, or to where an arm that hangs meets the trunk"
     drives.limits(anatomy, length, values, guessed)
+    if not anatomy.has_soles and _catching(anatomy, angles, values) > _QUICK:
+        values["timing.flight"] = [_SHORT_FLIGHT, _FLIGHT[1]]
+        guessed["timing"] += ", flights shorter as the legs are slow to catch a fall"
     sources = drives.table(anatomy, values)
     if anatomy.radius is not None:
         values["foot.radius"] = anatomy.radius
@@ -108,7 +118,7 @@ def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> di
         "limits.clearance": round(_CLEARANCE * length, 2),
         "limits.feet_apart": _apart(anatomy, length),
         "timing.takeoff": [0.3 if anatomy.has_soles else 0.4, 0.8],
-        "timing.flight": [0.3, 0.6],
+        "timing.flight": list(_FLIGHT),
         "timing.landing": [0.3 if anatomy.has_soles else 0.5, 0.8],
         "task.twist": [-3.1416, 3.1416],
         **{f"task.{name}": metres(*np.multiply(share, length)) for name, share in _JUMPS.items()},
@@ -117,9 +127,20 @@ def _by_length(anatomy: Anatomy, length: float, ahead: float, side: float) -> di
 
 
 def _distances(anatomy: Anatomy) -> tuple[float, float]:
-    """Shortest and longest from the first hip to its foot, m, within the joints' limits."""
+    """Shortest and longest from the first hip at rest to its foot, m, within the joints' limits.
+
+    Hips that turn far aside leave the place where they rest: what they gain so does not count.
+    """
     distance = _reached(anatomy)
-    return float(distance.min()), float(distance.max(axis=0).min())
+    longest = float(distance.max(axis=0).min())
+    return float(distance.min()), min(longest, _ASIDE * _stretch(anatomy))
+
+
+def _catching(anatomy: Anatomy, angles: Array, values: dict[str, Any]) -> float:
+    """Share of its speed that a joint needs to stop the fall of the shortest flight, standing."""
+    fall = np.array([0.0, 0.0, GRAVITY * _FLIGHT[0] / 2])
+    lift = np.linalg.pinv(anatomy.chains.motion(angles).foot_jacobian) @ fall
+    return float((np.abs(lift) / np.array(values["limits.joint_speed"])).max())
 
 
 def _stretch(anatomy: Anatomy) -> float:

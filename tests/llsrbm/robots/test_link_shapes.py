@@ -1,5 +1,7 @@
 """Shapes of links, pairs that can meet, and distances that can be worked out by hand."""
 
+from dataclasses import replace
+
 import coal
 import numpy as np
 import pinocchio as pin
@@ -77,6 +79,25 @@ def test_the_least_distance_is_that_of_all():
         assert least == pytest.approx(every[here].min(), abs=1e-5)
         assert every[here][instant, shapes.pairs.index(pair)] == pytest.approx(least, abs=1e-5)
     assert every.min() < 0 < every[:20].min()
+
+
+def test_links_that_stand_nearer_than_they_should_be_are_to_be_half_as_far_apart():
+    robot = load_robot("a1")
+    shapes = LinkShapes.of(robot)
+    pair = _pair(shapes, "FL_foot", "FR_foot")
+    inward = np.tile(robot.posture, (400, 1))
+    for leg, sign in ((0, -1), (1, 1)):
+        inward[:, robot.legs[leg].q_index[0]] += sign * np.linspace(0.2, 0.4, 400)
+    distance = shapes.distances(inward)[:, pair]
+    k = int(np.argmin(np.abs(distance - 0.006)))
+    near = LinkShapes(replace(robot, posture=inward[k]), shapes.shapes, shapes.pairs)
+    assert near.apart[pair] == pytest.approx(distance[k] / 2)
+    assert shapes.apart[pair] == 0.005
+    # Of two that are as near, the one that is to be farther apart is the nearest.
+    least, _, found = near.least(inward[k : k + 1], near.apart)
+    every = near.distances(inward[k]) - near.apart
+    assert near.pairs.index(found) == every.argmin()
+    assert least == pytest.approx(every.min() + near.apart[every.argmin()], abs=1e-6)
 
 
 def test_distances_do_not_depend_on_where_the_base_is():

@@ -1,5 +1,7 @@
 """Distances as straight functions, against distances of a motion beside."""
 
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -11,6 +13,7 @@ from llsrbm.planning.whole_body.apart import BETWEEN, FAR, Apart
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.start import start_of, trunk_room
 from llsrbm.robots import load_robot
+from llsrbm.robots.link_shapes import LinkShapes
 
 
 @pytest.fixture(scope="module")
@@ -69,3 +72,23 @@ def test_the_trunk_keeps_away_after_every_flight_and_not_before():
     phases = tuple((legs, 2) for legs in (all_legs, none, all_legs, none, all_legs))
     room = trunk_room(Grid(phases))
     np.testing.assert_array_equal(np.flatnonzero(room), [*range(8, 12), *range(16, 21)])
+
+
+def test_a_robot_whose_links_stand_close_together_may_stand_so():
+    """Rows keep links farther apart than they may be, but not farther than they stand."""
+    robot = load_robot("a1")
+    inward = robot.posture.copy()
+    shapes = LinkShapes.of(robot)
+    pair = next(k for k, pair in enumerate(shapes.pairs) if set(pair) == {"FL_foot", "FR_foot"})
+    angle = 0.0
+    while shapes.distances(inward)[pair] > 0.009:
+        angle += 0.001
+        for leg, sign in ((0, -1), (1, 1)):
+            at = robot.legs[leg].q_index[0]
+            inward[at] = robot.posture[at] + sign * angle
+    close = replace(robot, posture=inward)
+    q, upright = np.tile(inward, (3, 1)), np.tile(inward[[6, 3, 4, 5]], (2, 1))
+    found = Apart.near(q, np.arange(3.0), upright, close, (), np.zeros(3))
+    state = np.concatenate([inward[:3], np.zeros(3), inward[7:]])
+    assert 0 < found.least[1] < BETWEEN
+    assert (found.at_zero[1:] + found.slope[1:] @ state >= 0).all()

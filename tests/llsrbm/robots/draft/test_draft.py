@@ -69,6 +69,11 @@ def test_drives_are_the_urdfs_where_it_has_some_that_are_meant(quadruped):
     assert ((quadruped.speed_limit >= 2) & (quadruped.speed_limit <= 100)).all()
 
 
+def test_flights_may_be_short_where_legs_are_slow_to_catch_a_fall(quadruped):
+    slow = quadruped.name in ("anymal_c", "solo12")
+    assert quadruped.file.timing.flight[0] == (0.2 if slow else 0.3)
+
+
 def test_mirrored_hind_legs_bend_the_other_way(quadruped):
     """Knees of ANYmal C, HyQ and Solo 12 point at each other, all others backward."""
     knees = np.sign(quadruped.posture[7:][quadruped.leg_joint_index][:, 2])
@@ -295,6 +300,8 @@ def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path, ca
     robot = written(tmp_path / "quad.toml", str(urdf))
     assert [leg.foot_frame for leg in robot.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
     np.testing.assert_allclose(robot.joint_stops, np.outer([-np.pi, np.pi], np.ones(12)))
+    # Of 0.4 m of leg, however far hips that turn all the way round take it from where they rest.
+    assert robot.file.reach.distance[1] < 0.4
     frame = robot.file.urdf.frames["FL_foot"]
     assert frame.link == "fl_calf"
     assert frame.xyz == pytest.approx((0, 0, -0.2), abs=0.01)
