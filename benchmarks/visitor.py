@@ -89,8 +89,9 @@ def watch(pool, peaks, stop):
                 lines = Path(f"/proc/{pid}/status").read_text("ascii").splitlines()
             except OSError:  # it has gone, or there is none
                 continue
-            (line,) = [line for line in lines if line.startswith("VmHWM")]
-            peaks[pid] = int(line.split()[1]) / 1e3
+            for line in lines:  # of one that has ended there is none
+                if line.startswith("VmHWM"):
+                    peaks[pid] = int(line.split()[1]) / 1e3
 
 
 def main():
