@@ -72,7 +72,8 @@ class LinkShapes:
     def least(self, postures: Array, beyond: Array | None = None) -> tuple[float, int, Pair]:
         """The least distance in postures q (T, nq) that follow each other, m; in which, of whom.
 
-        `beyond`: (P,) m of each pair; least is what exceeds it least. Many times as fast as `distances`: few are measured. There are pairs.
+        `beyond`: (P,) m of each pair; least is what exceeds it least. Many times as fast as
+        `distances`: few are measured. There are pairs.
         """
         place, measure = self._by_pinocchio()
         placed = placements(self.robot.model, postures)
