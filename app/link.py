@@ -128,9 +128,9 @@ class PinPressed:
     index: Number
 
 
-@_event("gallery")
-class GalleryOpened:
-    """The examples are to be seen."""
+@_event("cards")
+class CardsAsked:
+    """The page wants the examples' cards, of which its welcome shows the first."""
 
 
 @_event("example")

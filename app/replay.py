@@ -158,13 +158,13 @@ def _charts(picture: Picture, end: float) -> dict[str, Any]:
     """The charts of what the jump is about, for static/replay_charts.js."""
     from app.motion import colours
     from app.plots.charts import shown_layers
-    from app.plots.choice import of_replay
+    from app.plots.choice import DEFAULT, of_jump
     from app.plots.figure import figure
 
     planned = picture.planned
     assert planned is not None  # a replay has a plan
     plan = planned.plan
-    drawn = figure(of_replay(plan.jump), shown_layers(planned, picture.rollout), end)
+    drawn = figure(of_jump(DEFAULT, plan.jump), shown_layers(planned, picture.rollout), end)
     return {
         "time": _rounded(drawn.grid.time),
         "flights": [_rounded(plan.phase_start[[k, k + 1]]) for k in plan.schedule.flights],

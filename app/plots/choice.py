@@ -125,7 +125,7 @@ def _all(*charts: tuple[str, str], landing: bool = False) -> PlotChoice:
 
 PRESETS: Mapping[str, PlotChoice] = {
     OVERVIEW: _all(
-        ("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), ("vertical_force", "")
+        ("base_angle", "yaw"), ("angular_velocity", "z"), ("inertia", "zz"), ("vertical_force", "")
     ),
     FEW: _all(("base_angle", "yaw"), ("vertical_force", "")),
     "Base angles": _each("base_angle"),
@@ -161,9 +161,9 @@ _FLAT = math.radians(3)  # rad of twist; less is no turn to look at
 _FORCE = ("vertical_force", "")
 # What a jump is about -> its overview, of which a small page shows the first chart and the forces.
 _ABOUT: Mapping[str, tuple[tuple[str, str], ...]] = {
-    "twist": (("base_angle", "yaw"), ("angular_velocity", "z"), ("com", "z"), _FORCE),
-    "pitch": (("turned", "y"), ("angular_velocity", "y"), ("com", "z"), _FORCE),
-    "roll": (("turned", "x"), ("angular_velocity", "x"), ("com", "z"), _FORCE),
+    "twist": (("base_angle", "yaw"), ("angular_velocity", "z"), ("inertia", "zz"), _FORCE),
+    "pitch": (("turned", "y"), ("angular_velocity", "y"), ("inertia", "yy"), _FORCE),
+    "roll": (("turned", "x"), ("angular_velocity", "x"), ("inertia", "xx"), _FORCE),
     "forward": (("com", "z"), ("com", "x"), ("base_angle", "pitch"), _FORCE),
     "lateral": (("com", "z"), ("com", "y"), ("base_angle", "roll"), _FORCE),
 }
@@ -172,9 +172,6 @@ _CHARTS = {
     for name in (OVERVIEW, FEW)
     for about, charts in _ABOUT.items()
 }
-
-
-_INERTIA = {"twist": "zz", "pitch": "yy", "roll": "xx"}  # about the axis of a turn
 
 
 def _about(jump: Jump) -> str:
@@ -194,15 +191,6 @@ def of_jump(choice: PlotChoice, jump: Jump) -> PlotChoice:
         return choice
     charts = _CHARTS[preset, _about(jump)]
     return choice if charts == choice.charts else replace(choice, charts=charts)
-
-
-def of_replay(jump: Jump) -> PlotChoice:
-    """The overview of a jump; of a turn with the inertia about its axis in place of the height."""
-    overview, axis = of_jump(DEFAULT, jump), _INERTIA.get(_about(jump))
-    if axis is None:
-        return overview
-    inertia = ChartChoice("inertia", (axis,))
-    return replace(overview, charts=(*overview.charts[:2], inertia, *overview.charts[3:]))
 
 
 DEFAULT = PRESETS[OVERVIEW]

@@ -42,7 +42,10 @@
   }
 
   window.llsrbm.gallery = {
-    fill: (cards) => grid.replaceChildren(...cards.map(card)),
+    fill(cards) {
+      grid.replaceChildren(...cards.map(card));
+      window.llsrbm.tour.invite(card(cards[0]));
+    },
     open() {
       if (!dialog.open) dialog.showModal();
     },

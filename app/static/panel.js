@@ -73,7 +73,7 @@
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }
     ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important; padding-right: 4px; }
-    ${SCENARIO} .mantine-NumberInput-root { width: 4.4rem; }
+    ${SCENARIO} .mantine-NumberInput-root { width: 3.8rem; }
 
     ${BOXES} > *, ${SCENARIO} > * { padding-inline: 0 !important; margin-inline: 0 !important; }
     :is(${BOXES}, ${SCENARIO}) .mantine-Flex-root:has([type=checkbox]) {
@@ -170,6 +170,11 @@
     .llsrbm-tuning tr:not(.changed) button { visibility: hidden; }
     :root { --llsrbm-changed: #b04a00; }
     :root[data-mantine-color-scheme=dark] { --llsrbm-changed: #ffb366; }
+
+    /* viser's own buttons are there for a pointer or the keys. */
+    @media (hover: hover) {
+      :not(:hover, :focus-within) > :is([aria-label="Collapse panel area"],
+        [aria-label="Minimize panel"], [aria-label="Connection and scene tree"]) { opacity: 0; } }
 
     :is(button, input, select, [role=tab], [role=button], [role=slider]):focus-visible {
       outline: 2px solid var(--mantine-primary-color-filled) !important; outline-offset: 1px; }`;

@@ -27,9 +27,7 @@
     [${PINNED}] [data-dock-strip] { display: none !important; }
     [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
     [${GRID}] { display: grid; align-items: start; padding-bottom: 4px;
-      grid-template-columns: repeat(auto-fit, minmax(min(100%, 340px), 1fr)); }
-    [${GRID}]:has(> :nth-child(3):last-child) {
-      grid-template-columns: repeat(auto-fit, minmax(min(100%, max(340px, 40%)), 1fr)); }
+      grid-template-columns: repeat(auto-fit, minmax(min(100%, 250px), 1fr)); }
     [${GRID}] > * { min-width: 0; }
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }

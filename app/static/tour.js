@@ -1,5 +1,5 @@
-// The first minute: a welcome that says what the page is, with the way to the examples, and four cards
-// that point at what matters, once for each browser. It can be skipped with a click or Escape, and the
+// The first minute: a welcome that says what the page is, with the first example, and four cards that
+// point at what matters, once for each browser. It can be skipped with a click or Escape, and the
 // cards opened again by `llsrbm.tour.start()` (the panel's Help tab).
 (() => {
   const { page, layout, element, addToPage } = window.llsrbm;
@@ -40,6 +40,10 @@
       box-shadow: 0 6px 24px rgba(0, 0, 0, 0.22); }
     #llsrbm-tour h2 { margin: 0 0 0.2rem; font-size: 1rem; }
     #llsrbm-tour p { margin: 0 0 0.6rem; }
+    #llsrbm-tour .example button { display: grid; width: 100%; margin: 0 0 0.6rem; padding: 0 0 0.3rem;
+      text-align: left; overflow: hidden; }
+    #llsrbm-tour .picture { width: 100%; height: 7.5rem; object-fit: cover; background: #dde4ea; }
+    #llsrbm-tour :is(b, .example span) { padding: 0.1rem 0.6rem; }
     #llsrbm-tour .line { display: flex; gap: 0.5rem; align-items: center; }
     #llsrbm-tour .line span { flex: 1; opacity: 0.75; }
     #llsrbm-tour button { padding: 0.2rem 0.8rem; }
@@ -52,20 +56,14 @@
     .find((each) => each.textContent.trim() === label) ?? null;
 
   const title = element("h2", { id: "llsrbm-tour-title" });
+  const example = element("div", { class: "example" });
   const text = element("p");
   const count = element("span");
   const skip = element("button", { type: "button", onclick: end }, "Skip");
-  const examples = element("button", {
-    type: "button",
-    onclick() {
-      end();
-      page.send({ kind: "gallery" });
-    },
-  }, "Examples");
   const next = element("button", { type: "button", onclick: () => show(at + 1) }, "Next");
   const card = element("div",
     { id: "llsrbm-tour", role: "dialog", "aria-labelledby": "llsrbm-tour-title", "aria-live": "polite" },
-    title, text, element("div", { class: "line" }, count, skip, examples, next));
+    title, text, example, element("div", { class: "line" }, count, skip, next));
 
   let at = -1, pointed = null;
 
@@ -95,7 +93,7 @@
     text.textContent = step.text;
     count.textContent = index ? `${index} of ${STEPS.length - 1}` : "";
     next.textContent = !index ? "Tour" : index + 1 < STEPS.length ? "Next" : "Done";
-    examples.style.display = index ? "none" : "";
+    example.style.display = index ? "none" : "";
     skip.style.display = index + 1 < STEPS.length ? "" : "none";
     pointed?.classList.remove("llsrbm-pointed");
     pointed = step.at();
@@ -109,7 +107,7 @@
     if (at < 0) return;
     const { width, height } = card.getBoundingClientRect();
     const bar = document.getElementById("llsrbm-transport")?.getBoundingClientRect();
-    const corner = { left: AWAY, top: (bar?.top ?? window.innerHeight) - height - AWAY };
+    const corner = { left: AWAY, top: (window.llsrbm.sheet.height ? innerHeight : bar?.top ?? innerHeight) - height - AWAY };
     const box = pointed?.getBoundingClientRect();
     const beside = box && box.width > 0 && box.left > width + 2 * AWAY
       ? { left: box.left - width - AWAY, top: Math.max(AWAY, box.top + (box.height - height) / 2) }
@@ -133,7 +131,15 @@
     start: () => show(1),
     // When the first motion plays.
     offer() {
-      if (at < 0 && !seen()) show(0);
+      if (at >= 0 || seen()) return;
+      show(0);
+      page.send({ kind: "cards" });
+    },
+    // The first example, in the welcome.
+    invite(card) {
+      card.addEventListener("click", end);
+      example.replaceChildren(card);
+      place();
     },
   };
 })();

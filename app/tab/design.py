@@ -8,7 +8,7 @@ from typing import Any
 
 from app import gallery
 from app.guard.validation import number
-from app.link import ExampleChosen, GalleryOpened, TuningChosen
+from app.link import CardsAsked, ExampleChosen, TuningChosen
 from app.panel.acts import Act
 from app.panel.jump_types import with_type
 from app.panel.tuning import entries_of
@@ -135,10 +135,16 @@ def choose_number(state: TabState, event: TuningChosen) -> Step:
     return also(update(state, Corrected(chosen, tuple(wrong))), ShowTuning(chosen))
 
 
-@on(Act.EXAMPLES, GalleryOpened)
-def show_examples(state: TabState, _: GalleryOpened | None = None) -> Step:
+@on(Act.EXAMPLES)
+def show_examples(state: TabState) -> Step:
     """Show the gallery."""
     return state, (ShowGallery(),)
+
+
+@on(CardsAsked)
+def send_cards(state: TabState, _: CardsAsked) -> Step:
+    """Have the page keep the gallery's cards."""
+    return state, (ShowGallery(shown=False),)
 
 
 @on(ExampleChosen)

@@ -245,11 +245,14 @@ class Share(Effect):
 class ShowGallery(Effect):
     """Show the examples; their pictures are sent once."""
 
+    shown: bool = True  # rather than only sent
+
     def do(self, outside: Outside) -> None:
         if not outside.has_gallery:
             outside.has_gallery = True
             outside.link.call("gallery.fill", gallery.cards())
-        outside.link.call("gallery.open")
+        if self.shown:
+            outside.link.call("gallery.open")
 
 
 @dataclass(frozen=True)

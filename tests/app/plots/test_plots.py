@@ -14,7 +14,7 @@ from app.motion import colours
 from app.motion.baked import bake_plan
 from app.page_template import page as designer_page
 from app.plots.charts import Layer, shown_layers
-from app.plots.choice import DEFAULT, FEWER, PRESETS, TORQUES, ChartChoice, of_jump, of_replay
+from app.plots.choice import DEFAULT, FEWER, PRESETS, TORQUES, ChartChoice, of_jump
 from app.plots.plots import Plots
 from app.plots.signals import SIGNALS
 from app.viser_private import DesignerServer
@@ -153,6 +153,9 @@ def test_an_overview_is_of_what_the_jump_is_about_and_keeps_its_name(choice, jum
     assert (found.charts[0].signal, found.charts[0].components) == first
     assert (found.preset, len(found.charts)) == (choice.preset, len(choice.charts))
     assert of_jump(found, Jump(twist=1.5)) == choice  # back again
+    axis = {"base_angle": "zz", "turned": "yy" if jump.pitch else "xx"}.get(first[0])
+    if axis and choice is DEFAULT:
+        assert found.charts[2] == ChartChoice("inertia", (axis,))
 
 
 def test_charts_of_ones_own_are_those_of_every_jump():
@@ -170,17 +173,3 @@ def test_a_flips_angle_goes_around_without_a_step():
     expected = np.degrees(np.trapezoid(layers[0].series.motion.angular_velocity[:, 1], turned.time))
     assert angle[-1] == pytest.approx(expected)
     assert np.abs(np.diff(angle)).max() < 90
-
-
-@pytest.mark.parametrize(
-    ("jump", "third"),
-    [
-        (Jump(twist=1.5), ChartChoice("inertia", ("zz",))),
-        (Jump(type="flip", pitch=math.tau), ChartChoice("inertia", ("yy",))),
-        (Jump(type="flip", roll=math.tau), ChartChoice("inertia", ("xx",))),
-        (Jump(forward=0.3), of_jump(DEFAULT, Jump(forward=0.3)).charts[2]),
-    ],
-)
-def test_a_replay_of_a_turn_has_the_inertia_about_its_axis(jump, third):
-    before = of_jump(DEFAULT, jump).charts
-    assert of_replay(jump).charts == (*before[:2], third, before[3])

@@ -66,7 +66,7 @@ def drawn(page, titles, timeout=10.0):
 OVERVIEW_CHARTS = [
     "Base angle, yaw [°]",
     "Angular velocity, z [rad/s]",
-    "CoM position, z [m]",
+    "Inertia, zz [kg m²]",
     "Vertical force, all feet [N]",
 ]
 
@@ -364,9 +364,9 @@ def test_a_chart_is_dragged_onto_another_one(page):
     titles = page.locator(".uplot .u-title")
     titles.nth(3).drag_to(page.locator(".u-over").nth(2))
     first, second = OVERVIEW_CHARTS[:2]
-    both = "CoM position, z · Vertical force, all feet [m or N]"
+    both = "Inertia, zz · Vertical force, all feet [kg m² or N]"
     (*_, chart) = drawn(page, [first, second, both])
-    assert chart["curves"] == ["plan CoM position, z", "plan Vertical force, all feet"]
+    assert chart["curves"] == ["plan Inertia, zz", "plan Vertical force, all feet"]
     # What is on offer, by the button that adds it.
     button = page.get_by_role("button", name="Add chart")
     page.wait_for_function("b => b.draggable", arg=button.element_handle())

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from app import gallery
-from app.link import ExampleChosen, GalleryOpened
+from app.link import CardsAsked, ExampleChosen
 from app.panel.acts import Act
 from app.tab.effects import ShowGallery
 from llsrbm.request.design import examples
@@ -52,11 +52,11 @@ def test_a_note_is_cut_after_its_first_sentence():
     assert gallery.first_sentence("Look: it flies.") == "Look: it flies."
 
 
-@pytest.mark.parametrize("event", [Act.EXAMPLES, GalleryOpened()])
-def test_it_is_shown_when_it_is_to_be_seen(event):
+@pytest.mark.parametrize(("event", "shown"), [(Act.EXAMPLES, True), (CardsAsked(), False)])
+def test_it_is_shown_when_it_is_to_be_seen(event, shown):
     tab = planned_tab()
     before = tab.state
-    assert tab.take(event) == (ShowGallery(),)
+    assert tab.take(event) == (ShowGallery(shown),)
     assert tab.state is before
 
 
