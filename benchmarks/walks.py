@@ -24,7 +24,7 @@ from playwright.sync_api import Browser, Error, Locator, Page
 
 from benchmarks.page import FIRST_PICTURE
 from benchmarks.served import serving, wait_until_ready
-from tests.app.chromium import PACE, chromium, number, settled, status
+from tests.app.chromium import ON_DEMAND, PACE, chromium, looked_at, number, settled, status
 from tests.app.legibility import unreadable
 
 SIZES = ((1440, 900), (1280, 720), (1920, 1080), (390, 844))
@@ -45,9 +45,9 @@ CONTROLS = """() => {
   };
   const all = [...document.querySelectorAll(`button, input:not([type=hidden], [type=file]), select,
     summary, a[href], [role=button], [role=slider]:not(.mantine-Slider-thumb), [role=tab]`)]
-    .filter(seen);
-  const named = (each) => (each.ariaLabel || each.labels?.[0]?.textContent || each.title
-    || each.textContent || each.placeholder || "").trim();
+    .filter((each) => !each.closest(".mantine-NumberInput-controls") && seen(each));
+  const named = (each) => (each.ariaLabel || each.labels?.[0]?.textContent
+    || each.innerText || each.title || "").trim();
   const covered = [];
   for (const each of all) {
     const { left, top, width, height } = each.getBoundingClientRect();
@@ -163,7 +163,8 @@ class Visitor:
         page = self.page
         page.evaluate("llsrbm.player.pause()")
         settled(page)
-        page.screenshot(path=self.out / f"{place}.png")
+        with looked_at(page):
+            page.screenshot(path=self.out / f"{place}.png")
         if "axe" not in page.evaluate("Object.keys(window)"):
             page.evaluate(self._axe)
         _, covered = page.evaluate(CONTROLS)
@@ -198,7 +199,7 @@ class Visitor:
         first = self.page.evaluate(FIRST_PICTURE)
         self.answered()
         controls, _ = self.page.evaluate(CONTROLS)
-        self.look(f"{name}-1-first")
+        self.look(f"{name}-1-first")  # from here on it is drawn only to be photographed
         print(f"{name}: first motion after {first:.2f} s, {len(controls)} controls at first sight")
         print(f"  {', '.join(controls)}", flush=True)
         if len(controls) > MOST_CONTROLS:
@@ -270,6 +271,7 @@ def walk(browser: Browser, url: str, size: tuple[int, int], options: argparse.Na
         context = browser.new_context(
             viewport={"width": width, "height": height}, color_scheme=scheme, has_touch=width < 500
         )
+        context.add_init_script(f"{ON_DEMAND} window.isLookedAt = true;")
         page = context.new_page()
         page.set_default_timeout(PATIENCE)
         page.goto(url)

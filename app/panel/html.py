@@ -16,9 +16,9 @@ _NAME = (
 )
 
 
-def note(text: str) -> str:
-    """A sentence on what is there, or what to do."""
-    return f'<div style="{SMALL};{DIM}">{escape(text)}</div>'
+def note(text: str, kind: str = "div") -> str:
+    """A sentence on what is there, or what to do; `kind`: of its element."""
+    return f'<{kind} style="{SMALL};{DIM};font-weight:normal;margin:0">{escape(text)}</{kind}>'
 
 
 TOUR_BUTTON = (

@@ -59,7 +59,7 @@ class Panel:
     ) -> None:
         """The callbacks are called on viser's event loop, and must return at once."""
         gui = client.gui
-        gui.add_html(html.note(_WHAT_IT_IS))
+        gui.add_html(html.note(_WHAT_IT_IS, kind="h1"))
         self.buttons = add_buttons(gui, "examples", put)  # all of them, by their acts
         self.buttons |= add_buttons(gui, "share", put)
         self.files = FileControls(client, put, open_file)

@@ -9,7 +9,8 @@
 
   // As large as the picture, however the panel is docked: what lies over the picture has its place in
   // here.
-  const over = llsrbm.element("div", { id: "llsrbm-over" });
+  const over = llsrbm.element("div",
+    { id: "llsrbm-over", role: "region", "aria-label": "Picture" });
   const resized = new ResizeObserver(follow);
 
   function watch(element) {
