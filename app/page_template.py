@@ -32,6 +32,7 @@ SCRIPTS = (
     "handles.js",
     "gallery.js",
     "exports.js",
+    "help.js",
     "tour.js",
     "panel.js",
     "tuning.js",

@@ -41,6 +41,7 @@ class Act(Enum):
     )
     REDO = Button("history", "Redo", "Restore the design that was undone", Icon.ARROW_FORWARD_UP)
     EXAMPLES = Button("examples", "Examples", "Designs to start from, each with a moving picture")
+    HELP = Button("help", "Help", "Topics, and a line on each term of the page", Icon.HELP)
     SHARE = Button("share", "Share", "Make a link that opens this design", Icon.LINK)
     COMPARE_REPLANNING = Button(
         "push",

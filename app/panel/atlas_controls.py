@@ -127,7 +127,7 @@ class AtlasControls:
         self._fields.add(*_menus(sweeps))
 
     @property
-    def hints(self) -> dict[str, str]:
+    def hints(self) -> dict[str, tuple[str, str]]:
         """As `Fields.hints`."""
         return self._fields.hints
 

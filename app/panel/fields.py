@@ -98,10 +98,12 @@ class Fields(Generic[V]):
             handle.on_update(self._moved)
 
     @property
-    def hints(self) -> dict[str, str]:
-        """Meaning of each control, by its uuid: static/tips.js shows it on label and control."""
+    def hints(self) -> dict[str, tuple[str, str]]:
+        """Label and meaning of each control, by its uuid: static/tips.js shows it on both."""
         handles = self._handles.items()
-        return {uuid_of(handle): field.hint for field, handle in handles if field.hint}
+        return {
+            uuid_of(handle): (field.label, field.hint) for field, handle in handles if field.hint
+        }
 
     def handle(self, field: Field[V]) -> Any:
         """The control of a row."""

@@ -96,7 +96,7 @@ class FootholdControls:
         return add_buttons(self._gui, "footholds", self._acted)
 
     @property
-    def hints(self) -> dict[str, str]:
+    def hints(self) -> dict[str, tuple[str, str]]:
         """As `Fields.hints`."""
         return self._fields.hints
 

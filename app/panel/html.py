@@ -21,15 +21,6 @@ def note(text: str, kind: str = "div") -> str:
     return f'<{kind} style="{SMALL};{DIM};font-weight:normal;margin:0">{escape(text)}</{kind}>'
 
 
-TOUR_BUTTON = (
-    f'<div style="{SMALL}"><button type="button" data-tour '
-    'style="font:inherit;color:inherit;padding:0.3em 0.9em;border-radius:4px;cursor:pointer;'
-    "background:var(--mantine-color-default);"
-    'border:1px solid var(--mantine-color-default-border)">Start the tour</button></div>'
-)
-"""Begins the tour of the page; handled in the page alone (static/tour.js)."""
-
-
 def table(rows: Iterable[tuple[str, str]], title: str = "") -> str:
     """Names and values."""
     body = "".join(

@@ -164,7 +164,7 @@ class JumpControls:
         return tuple(map(self._fields.handle, self._menus))
 
     @property
-    def hints(self) -> dict[str, str]:
+    def hints(self) -> dict[str, tuple[str, str]]:
         """As `Fields.hints`."""
         return {**self._fields.hints, **self.whole_body.hints, **self.footholds.hints}
 

@@ -8,7 +8,6 @@ it is read and drawn by the session's thread.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 
 import viser
 
@@ -32,7 +31,6 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.request.design import Design
 from llsrbm.robots import Robot, RobotFile
 
-_HELP = Path(__file__).parents[1] / "static" / "help.md"
 _WHAT_IT_IS = "Design a jump; see why inertia matters."
 _NO_PLAN = "No plan yet: choose a robot, move a slider, and its figures appear here."
 _NO_SIMULATION = "No simulation yet: Simulate has the whole robot follow the plan."
@@ -63,6 +61,7 @@ class Panel:
         self.buttons = add_buttons(gui, "examples", put)  # all of them, by their acts
         self.buttons |= add_buttons(gui, "share", put)
         self.files = FileControls(client, put, open_file)
+        self.buttons |= add_buttons(gui, "help", put)
         self.buttons |= add_buttons(gui, "history", put)
         self.jump = JumpControls(gui, design.jump, robots, put)
         self._status = gui.add_html("")
@@ -108,15 +107,12 @@ class Panel:
                 self.tuning = TuningControls(gui, put)
             with gui.add_folder("Atlas", expand_by_default=False):
                 self.atlas = AtlasControls(gui, sweeps, put)
-            with gui.add_folder("Help", expand_by_default=False):
-                gui.add_html(html.TOUR_BUTTON)
-                gui.add_markdown(_HELP.read_text(encoding="utf-8"))
 
     @property
     def arrangement(self) -> dict[str, str | list[str]]:
         """Uuids of the controls that stand in rows (static/panel.js)."""
         robot, kind, arms = map(uuid_of, self.jump.menus)
-        icons = [self.buttons[act] for act in (Act.SHARE, Act.UNDO, Act.REDO)]
+        icons = [self.buttons[act] for act in (Act.SHARE, Act.HELP, Act.UNDO, Act.REDO)]
         return {
             "examples": uuid_of(self.buttons[Act.EXAMPLES]),
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
@@ -131,8 +127,8 @@ class Panel:
         }
 
     @property
-    def hints(self) -> dict[str, str]:
-        """Meaning of each control, by its uuid."""
+    def hints(self) -> dict[str, tuple[str, str]]:
+        """Label and meaning of each control, by its uuid."""
         view, files, scenario = self.view, self.files, self.scenario
         return {
             **self.jump.hints,

@@ -44,11 +44,11 @@ _OF_A_MOTION = (Verdict.DRAFT, Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED
 """Verdicts on a motion that can be checked; pressed, they open its certificate."""
 
 
-_MEANINGS = {
+MEANINGS = {
     "checks": "Checks that hold, of the whole body at 1 kHz: stops, drives, friction, slip, room "
     "and dynamics. The verdict's word shows them.",
     "Izz in flight": "The least moment of inertia about the vertical in flight, against standing: "
-    "feet that are drawn in make it smaller, and the body turns faster.",
+    "feet that are drawn in make it smaller.",
     "Flight time": "Time without any foot on the ground",
     "Planned torque": "Largest share of the torque that a drive has at its speed, in the plan",
     "Peak torque": "Largest share of a drive's torque limit, in the simulation",
@@ -125,7 +125,7 @@ class Status:
         word = self.verdict.value
         large = escape(f"{word}, {self.limit}" if self.limit else word)
         if self.verdict in _OF_A_MOTION and not self.busy:
-            tip = f"{_MEANINGS[self.limit]}. " if self.limit in _MEANINGS else ""
+            tip = f"{MEANINGS[self.limit]}. " if self.limit in MEANINGS else ""
             return (
                 f'<button type="button" data-tip="{escape(tip)}Press to see the checks">{large}'
                 "</button>"
@@ -147,7 +147,7 @@ class SeedResult:
 
 def _tip(title: str) -> str:
     """The attribute by which the page says what a figure means (static/tips.js)."""
-    return f' data-tip="{escape(_MEANINGS[title])}"' if title in _MEANINGS else ""
+    return f' data-tip="{escape(MEANINGS[title])}"' if title in MEANINGS else ""
 
 
 def _bar(share: float | None, lasts: float | None, *, busy: bool) -> str:

@@ -56,6 +56,7 @@ class Picture:
     target: Jump | None = None  # where the landing handle stands
     night: bool = False  # a dark ground and dim light
     fine: bool = False  # with all triangles: the browser has a graphics processor
+    still: bool = False  # the motion stands: the robot has all triangles in any browser
     # the robot's meshes are there; else its collision shapes stand in for them
     prepared: bool = True
 

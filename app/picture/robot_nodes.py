@@ -68,6 +68,7 @@ class RobotNodes:
         self._fine = fine
         self._stand_in = needs_preparation(robot)
         self._frame = scene.add_frame(name, show_axes=False)
+        self._twin: RobotNodes | None = None  # with all triangles, while it stands
         self._nodes: dict[str, viser.GlbHandle] = {}
         self._bodies: dict[str, int] = {}
         self._draw()
@@ -116,9 +117,19 @@ class RobotNodes:
     def track(self, frames: ShownMotion) -> list[Track]:
         """Every body's way through a motion of this robot."""
         return [
-            Track((name,), frames.body_position[:, body], frames.body_wxyz[:, body])
+            Track(self._moved(name), frames.body_position[:, body], frames.body_wxyz[:, body])
             for name, body in self._bodies.items()
         ]
+
+    def _moved(self, node: str) -> tuple[str, ...]:
+        """A node and its twin, which may come later than the motion."""
+        if self._fine or self._ghost is not None:
+            return (node,)
+        return node, node.replace(self._name, self._twins, 1)
+
+    @property
+    def _twins(self) -> str:
+        return f"{self._name}-still"
 
     @property
     def bodies(self) -> Mapping[str, int]:
@@ -131,7 +142,7 @@ class RobotNodes:
         return AnimationChannel(
             np.zeros(1),
             tuple(
-                Track((name,), position[body, None], wxyz[body, None])
+                Track(self._moved(name), position[body, None], wxyz[body, None])
                 for name, body in self._bodies.items()
             ),
         )
@@ -139,10 +150,25 @@ class RobotNodes:
     def show(self, *, visible: bool) -> None:
         """Show or hide."""
         self._frame.visible = visible
+        if self._twin is not None:
+            self._twin.show(visible=False)
+
+    def stand(self, *, still: bool) -> bool:
+        """Show it with all triangles, or again without; whether nodes were made for that."""
+        still = still and not (self._fine or self._stand_in)
+        made = still and self._twin is None
+        if made:
+            self._twin = RobotNodes(self._scene, self.robot, self._twins, fine=True)
+        self.show(visible=not still)
+        if self._twin is not None:
+            self._twin.show(visible=still)
+        return made
 
     def remove(self) -> None:
         """Remove for good."""
         self._frame.remove()
+        if self._twin is not None:
+            self._twin.remove()
 
 
 class RobotShelf:
@@ -222,6 +248,10 @@ class SolidRobot(Drawing):
 
     def show(self, *, visible: bool) -> None:
         """The robot is always seen."""
+
+    def stand(self, *, still: bool) -> bool:
+        """As `RobotNodes.stand`."""
+        return self._nodes is not None and self._nodes.stand(still=still)
 
 
 def _seen_from(picture: Picture) -> tuple[float, float, float] | None:

@@ -39,10 +39,12 @@ class Scene:
         self._overlays: dict[str, Overlay] = {}
         self._channels: dict[Drawing, Sequence[AnimationChannel]] = {}
         self._outdated: set[Drawing] = set()
+        self.appeared = False  # nodes were made by the last drawing that its clip did not move
 
     def draw(self, picture: Picture) -> Clip | None:
         """Draw what differs from the picture before; how everything moves, if that has changed."""
         changed = changed_parts(self._drawn, picture)
+        self.appeared = False
         if not changed:
             return None
         self._drawn = picture
@@ -55,6 +57,7 @@ class Scene:
                 self._update(drawing, picture, changed, wanted=True)
             for name, overlay in self._overlays.items():
                 self._update(overlay, picture, changed, wanted=name in picture.layers)
+            self.appeared = self._robot.stand(still=picture.still)
         same = all(
             before.get(drawing, ()) is channels for drawing, channels in self._channels.items()
         )

@@ -73,7 +73,8 @@
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }
     ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important; padding-right: 4px; }
-    ${SCENARIO} .mantine-NumberInput-root { width: 3.8rem; }
+    ${SCENARIO} .mantine-NumberInput-root { width: 4rem; }
+    ${SCENARIO} .mantine-NumberInput-input { padding-left: 4px !important; }
 
     ${BOXES} > *, ${SCENARIO} > * { padding-inline: 0 !important; margin-inline: 0 !important; }
     :is(${BOXES}, ${SCENARIO}) .mantine-Flex-root:has([type=checkbox]) {
@@ -191,7 +192,7 @@
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
     const flex = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > .mantine-Flex-root`;
     return `
-      ${row(examples)} { grid-column: span 11; }
+      ${row(examples)} { grid-column: span 10; }
       ${icons.map(row).join()} { grid-column: span 2; }
       :is(${icons.map(button).join()}) { padding: 0 !important; }
       :is(${icons.map(button).join()})[data-disabled] { opacity: 0; }

@@ -27,7 +27,10 @@
     [${PINNED}] [data-dock-strip] { display: none !important; }
     [${PINNED}]:not([style*="height"]) .mantine-ScrollArea-viewport { max-height: 46vh; }
     [${GRID}] { display: grid; align-items: start; padding-bottom: 4px;
-      grid-template-columns: repeat(auto-fit, minmax(min(100%, 250px), 1fr)); }
+      grid-template-columns: repeat(auto-fit, minmax(min(100%, max(250px, var(--least, 0px))), 1fr)); }
+    [${GRID}]:has(> :nth-child(3):last-child) { --least: 40%; } /* of two charts, three, four */
+    [${GRID}]:has(> :nth-child(4):last-child) { --least: 30%; }
+    [${GRID}]:has(> :nth-child(5):last-child) { --least: 22%; }
     [${GRID}] > * { min-width: 0; }
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }

@@ -20,7 +20,7 @@
     if (own) return [own, own.dataset.tip];
     const row = target.closest(ROW), uuid = row?.querySelector("label[for]").htmlFor;
     const can = row && window.llsrbm.tint?.words(uuid);
-    const text = [hints[uuid], can].filter(Boolean).join(".\n");
+    const text = [hints[uuid]?.[1], can].filter(Boolean).join(".\n");
     return text ? [row, text] : [null, ""];
   }
 
@@ -79,7 +79,7 @@
 
   // For a screen reader.
   function describe() {
-    for (const [uuid, text] of Object.entries(hints)) {
+    for (const [uuid, [, text]] of Object.entries(hints)) {
       const control = document.getElementById(uuid);
       if (!control?.hasAttribute("aria-description")) control?.setAttribute("aria-description", text);
     }
@@ -89,6 +89,7 @@
   addToPage(STYLE, tip);
 
   window.llsrbm.tips = {
+    get terms() { return Object.fromEntries(Object.values(hints)); }, // label -> meaning
     show, // a note until the next key or press
     set(words) {
       hints = words;

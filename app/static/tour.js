@@ -1,6 +1,6 @@
 // The first minute: a welcome that says what the page is, with the first example, and four cards that
 // point at what matters, once for each browser. It can be skipped with a click or Escape, and the
-// cards opened again by `llsrbm.tour.start()` (the panel's Help tab).
+// cards opened again by `llsrbm.tour.start()` (help.js).
 (() => {
   const { page, layout, element, addToPage } = window.llsrbm;
   const SEEN = "llsrbm.tour"; // name in the browser's storage
@@ -18,8 +18,8 @@
     },
     {
       title: "Read the ellipsoid", at: () => null,
-      text: "It is the uniform solid ellipsoid with the robot's mass and inertia: it shrinks when " +
-        "the legs are drawn in, and the robot turns faster.",
+      text: "It is the uniform solid ellipsoid with the robot's mass and inertia. The narrower it " +
+        "is, the faster the robot turns; legs that swing meanwhile take a part of the turn.",
     },
     {
       title: "Simulate", at: () => button("Simulate"),
@@ -116,10 +116,6 @@
     card.style.top = `${Math.max(0, Math.min(beside.top, window.innerHeight - height - AWAY))}px`;
   }
 
-  // The panel's details have a button for it (app/panel/html.py).
-  document.addEventListener("click", (event) => {
-    if (event.target instanceof Element && event.target.closest("[data-tour]")) show(1);
-  });
   window.addEventListener("resize", place);
   layout.onMove(place);
   window.addEventListener("keydown", (event) => {

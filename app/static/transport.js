@@ -30,7 +30,7 @@
   const forth = button("One frame on", "right arrow", "|▸", () => player.step(1));
   const repeat = button("Loop", "", "⟲", () => choose({ loop: !player.loop }));
   const zoom = button("Zoom", "", "⤢", () => timeline.toggleZoom());
-  for (const rare of [back, forth, repeat, zoom]) rare.classList.add("rare");
+  for (const rare of [back, forth, rate, repeat, zoom]) rare.classList.add("rare");
   zoom.title = "Zoom to the range that is looped, or to what is near the cursor; or turn the wheel";
   const rate = element("select", { "aria-label": "Speed", title: "Seconds of motion a second" },
     ...SPEEDS.map((speed) => element("option", { value: speed }, `${speed}×`)));

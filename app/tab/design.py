@@ -16,7 +16,7 @@ from app.panel.view_controls import View
 from app.picture.foothold_handles import FootholdDragged
 from app.picture.landing_handle import LandingDragged
 from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
-from app.tab.effects import Notify, Share, ShowGallery, ShowTuning
+from app.tab.effects import Notify, Share, ShowGallery, ShowHelp, ShowTuning
 from app.tab.planning.known import answer_of, show_again, with_answer
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
@@ -145,6 +145,12 @@ def show_examples(state: TabState) -> Step:
 def send_cards(state: TabState, _: CardsAsked) -> Step:
     """Have the page keep the gallery's cards."""
     return state, (ShowGallery(shown=False),)
+
+
+@on(Act.HELP)
+def show_help(state: TabState) -> Step:
+    """Show the help."""
+    return state, (ShowHelp(),)
 
 
 @on(ExampleChosen)

@@ -14,6 +14,7 @@ import viser
 
 from app import gallery
 from app.link import PageLink
+from app.panel.help import terms, topics
 from app.tab.inbox import Inbox
 from app.workers.pool import WorkerPool
 from app.workers.reports import Report
@@ -253,6 +254,14 @@ class ShowGallery(Effect):
             outside.link.call("gallery.fill", gallery.cards())
         if self.shown:
             outside.link.call("gallery.open")
+
+
+@dataclass(frozen=True)
+class ShowHelp(Effect):
+    """Show topics and terms."""
+
+    def do(self, outside: Outside) -> None:
+        outside.link.call("help.open", topics(), terms())
 
 
 @dataclass(frozen=True)

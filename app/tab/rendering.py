@@ -179,7 +179,8 @@ class Rendering:
             self._link.call("remark.show", remark)
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in picture.layers and state.shown is not None
-        appears = self.handle.draw(state.design.jump, robot, visible=visible)
+        appears = self._scene.appeared
+        appears |= self.handle.draw(state.design.jump, robot, visible=visible)
         appears |= self.footholds.draw(state.design.jump, robot, visible=visible)
         if self._push.draw(None if picture.row else push_shown(state)) or appears:
             self._link.call("player.settle")
@@ -254,6 +255,9 @@ def picture_of(state: TabState) -> Picture:
         target=state.design.jump,
         night=view.night,
         fine=state.fine,
+        # while a slider moves there are drafts
+        still=not (row or state.playback.playing or shown is None)
+        and shown.plan.refinement is not None,
         prepared=state.prepared,
     )
 

@@ -24,7 +24,6 @@ PLACES = (
     "Scenario",
     "Limits",
     "Atlas",
-    "Help",
 )
 
 

@@ -75,7 +75,7 @@ def test_a_robot_without_a_plan_stands_still_and_is_looked_at():
     robot = load_robot("anymal")
     drawn = Drawn(Picture(robot=robot, layers=AT_FIRST))
     assert drawn.clip.end == 0
-    assert all(name.startswith("/links/") for name in names_in(drawn.clip))
+    assert all(name.startswith("/links") for name in names_in(drawn.clip))
     _, track = track_of(drawn.clip, "/links/base")
     assert track.position[0] == pytest.approx(robot.base_position)
     points = drawn.clip.camera_target.points

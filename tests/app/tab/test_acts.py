@@ -31,7 +31,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
     tab = PureTab()
     assert shown(tab) == {
         *("SIMULATE", "SHARE", "SEEDS", "SAVE", "ADD_CHART", "REMOVE_CHART"),
-        *("COMPARE_MODELS", "EXAMPLES"),
+        *("COMPARE_MODELS", "EXAMPLES", "HELP"),
     }
     tab = planned_tab()
     assert shown(tab) == {
