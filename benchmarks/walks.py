@@ -53,12 +53,14 @@ CONTROLS = """() => {
     const { left, top, width, height } = each.getBoundingClientRect();
     const on = document.elementFromPoint(left + width / 2, top + height / 2);
     const label = each.labels?.[0];
+    if (on.closest("#llsrbm-tour")) continue; // a dialog, until it is closed
     if (!each.contains(on) && !on.contains(each) && !on.closest("label, .mantine-Slider-root")
       && !(label && label.contains(on)) && each.parentElement !== on.parentElement)
       covered.push(`control "${named(each)}" lies under ${on.tagName} "${on.id || on.className}"`);
   }
   for (let i = 0; i < all.length; i++) for (let k = i + 1; k < all.length; k++) {
     const [a, b] = [all[i], all[k]], [p, q] = [a, b].map((each) => each.getBoundingClientRect());
+    if (a.closest("#llsrbm-tour") !== b.closest("#llsrbm-tour")) continue;
     if (a.contains(b) || b.contains(a) || Math.min(p.right, q.right) - Math.max(p.left, q.left) <= 3
       || Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) <= 3) continue;
     covered.push(`controls "${named(a)}" and "${named(b)}" overlap`);

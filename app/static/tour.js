@@ -47,6 +47,10 @@
     #llsrbm-tour .line { display: flex; gap: 0.5rem; align-items: center; }
     #llsrbm-tour .line span { flex: 1; opacity: 0.75; }
     #llsrbm-tour button { padding: 0.2rem 0.8rem; }
+    @media (max-width: 640px) { /* across a phone, on its panel */
+      #llsrbm-tour { width: calc(100vw - ${2 * AWAY}px); }
+      #llsrbm-tour .example button { grid-template-columns: 7rem 1fr; }
+      #llsrbm-tour .picture { grid-row: 1 / span 2; height: 100%; } }
     .llsrbm-pointed { outline: 2px solid var(--mantine-primary-color-filled); outline-offset: 3px;
       border-radius: 4px; }`;
 

@@ -30,10 +30,10 @@
   const forth = button("One frame on", "right arrow", "|▸", () => player.step(1));
   const repeat = button("Loop", "", "⟲", () => choose({ loop: !player.loop }));
   const zoom = button("Zoom", "", "⤢", () => timeline.toggleZoom());
-  for (const rare of [back, forth, rate, repeat, zoom]) rare.classList.add("rare");
   zoom.title = "Zoom to the range that is looped, or to what is near the cursor; or turn the wheel";
   const rate = element("select", { "aria-label": "Speed", title: "Seconds of motion a second" },
     ...SPEEDS.map((speed) => element("option", { value: speed }, `${speed}×`)));
+  for (const rare of [back, forth, rate, repeat, zoom]) rare.classList.add("rare");
   rate.addEventListener("change", () => choose({ speed: Number(rate.value) }));
   const clock = element("span", { class: "time" }, EMPTY);
   const events = element("span", { class: "events" });
