@@ -250,8 +250,8 @@ class Visitor:
             self.hand.press(self.page.get_by_label(box, exact=True))
         self.hand.write(self.page.get_by_label("Push y [N s]", exact=True), "2")
         self.press("Simulate")
-        said = self.page.get_by_role("status").filter(has_text=re.compile(r"^\s*(Landed|Fell)"))
-        said.wait_for(timeout=PATIENCE)
+        verdict = self.page.get_by_role("status").filter(has_text=re.compile(r"^\s*(Landed|Fell)"))
+        verdict.wait_for(timeout=PATIENCE)
         self.look(f"{name}-5-pushed")
         self.hand.slide(self.page.get_by_role("slider", name=re.compile("^Apex")), up=True)
         self.answered()
@@ -268,7 +268,7 @@ def walk(browser: Browser, url: str, size: tuple[int, int], options: argparse.Na
     width, height = size
     axe = (options.out / "node_modules/axe-core/axe.min.js").read_text("utf-8")
     count = 0
-    for scheme in ("light", "dark"):
+    for scheme in options.schemes:
         name = f"{width}-{scheme}{'-keys' if options.keys else ''}"
         context = browser.new_context(
             viewport={"width": width, "height": height}, color_scheme=scheme, has_touch=width < 500
@@ -297,6 +297,7 @@ def main() -> None:
     parser.add_argument("--keys", action="store_true", help="by the keyboard alone")
     parser.add_argument("--labels", action="store_true", help="rest on every label, too")
     parser.add_argument("--sizes", nargs="*", type=int, help="widths; all by default")
+    parser.add_argument("--schemes", nargs="*", default=("light", "dark"))
     parser.add_argument("--out", type=Path, default=Path("build/walks"))
     parser.add_argument("--url", help="of a server that runs and keeps no token")
     options = parser.parse_args()

@@ -20,7 +20,8 @@
     #llsrbm-transport .time { font-variant-numeric: tabular-nums; min-width: 8.5em; }
     #llsrbm-transport .events { opacity: 0.75; flex: 1; min-width: 12em; white-space: nowrap;
       overflow: hidden; text-overflow: ellipsis; }
-    @media (max-width: 640px) { #llsrbm-transport .events { display: none; } } /* the timeline has them */`;
+    @media (max-width: 640px) { /* the timeline has the events; fingers scrub */
+      #llsrbm-transport :is(.events, .step, .handle.rare) { display: none; } }`;
 
   const button = (label, key, sign, onclick) => element("button",
     { type: "button", "aria-label": label, title: key ? `${label} (${key})` : label, onclick }, sign);
@@ -34,6 +35,7 @@
   const rate = element("select", { "aria-label": "Speed", title: "Seconds of motion a second" },
     ...SPEEDS.map((speed) => element("option", { value: speed }, `${speed}×`)));
   for (const rare of [back, forth, rate, repeat, zoom]) rare.classList.add("rare");
+  for (const step of [back, forth, zoom]) step.classList.add("step");
   rate.addEventListener("change", () => choose({ speed: Number(rate.value) }));
   const clock = element("span", { class: "time" }, EMPTY);
   const events = element("span", { class: "events" });

@@ -45,6 +45,25 @@ def test_shapes_stand_in_until_the_meshes_are_prepared(name, unprepared):
     assert len(scene.changes) == changes
 
 
+def test_a_robot_that_stands_has_all_triangles_which_are_sent_once():
+    robot, scene = load_robot("anymal"), RecordedScene()
+    nodes = RobotNodes(scene, robot, "/links")
+    assert not nodes.stand(still=False)
+    assert nodes.stand(still=True)
+    names = [track.nodes for track in nodes.still().tracks]
+    for link, _, glb in meshes(robot, fine=True):
+        assert scene.nodes[f"/links-still/{link}"].glb_data == glb
+        assert (f"/links/{link}", f"/links-still/{link}") in names
+    assert {name.split("/")[1] for name in scene.seen()} == {"links-still"}
+    made = len(scene.made)
+    assert not nodes.stand(still=False)
+    assert {name.split("/")[1] for name in scene.seen()} == {"links"}
+    assert not nodes.stand(still=True)
+    assert len(scene.made) == made
+    nodes.remove()
+    assert scene.nodes == {}
+
+
 def test_a_shelf_completes_the_robot_that_is_taken(unprepared):
     robot, scene = load_robot("anymal"), RecordedScene()
     shelf = RobotShelf(scene, (f"/robot{number}" for number in itertools.count()))
