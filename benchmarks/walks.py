@@ -233,6 +233,9 @@ class Visitor:
         self.press("Close the comparison")
 
     def open_and_export(self, name: str) -> None:
+        self.press("Help")
+        self.look(f"{name}-4-help")
+        self.page.keyboard.press("Escape")
         self.press("Examples")
         self.look(f"{name}-4-gallery")
         card = self.page.locator("#llsrbm-gallery .cards button").filter(has_text=EXAMPLE).first
@@ -284,7 +287,6 @@ def walk(browser: Browser, url: str, size: tuple[int, int], options: argparse.Na
                 visitor.found |= {f"no description: {label}": name for label in visitor.describe()}
         except (AssertionError, LookupError, Error) as error:
             visitor.found[f"the walk ends: {type(error).__name__} {error}"] = name
-            page.screenshot(path=options.out / f"{name}-end.png")
         for fault, place in visitor.found.items():
             print(f"  {place}: {fault}", flush=True)
         count += len(visitor.found)
