@@ -1,4 +1,4 @@
-// What the words of the page mean, in a dialog: topics that open, and a line on each term. The server
+// The meaning of the page's words, in a dialog: topics that open, and a line on each term. The server
 // has topics, figures and buttons (app/panel/help.py), the notes of the controls are tips.js's.
 (() => {
   const { element, addToPage, dialog: { chooser } } = window.llsrbm;
