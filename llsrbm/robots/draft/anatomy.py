@@ -370,7 +370,10 @@ def _corners_of(frame: pin.SE3, shapes: list[PlacedSolid]) -> Array:
 
 
 def _ball_radius(frame: pin.Frame, shapes: list[PlacedSolid]) -> float:
-    """Half of what the shape around a point foot measures where it is thinnest, m."""
+    """Half of what the shape around a point foot measures neither along nor across it, m.
+
+    Of a capsule, a cylinder and a disc it is the radius, however long or thin they are.
+    """
     around = [
         points
         for points in (_corners_of(frame.placement, [shape]) for shape in shapes)
@@ -379,4 +382,4 @@ def _ball_radius(frame: pin.Frame, shapes: list[PlacedSolid]) -> float:
     if not around:
         return _BALL
     smallest = min(around, key=lambda points: float(np.ptp(points, axis=0).max()))
-    return round(float(np.clip(np.ptp(smallest, axis=0).min() / 2, 0.005, 0.04)), 4)
+    return round(float(np.clip(np.median(np.ptp(smallest, axis=0)) / 2, 0.005, 0.04)), 4)

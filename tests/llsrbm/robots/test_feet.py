@@ -2,6 +2,9 @@
 
 import xml.etree.ElementTree as ET
 
+import coal
+import numpy as np
+import pinocchio as pin
 import pytest
 import trimesh
 
@@ -9,6 +12,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.schema import robot_files
+from llsrbm.robots.shapes import link_shapes
 from tests.llsrbm.simulation.sliding_biped import sliding_biped
 
 
@@ -28,6 +32,30 @@ def test_the_sphere_of_each_foots_link(name):
         assert contact.centres[0] == pytest.approx(
             [float(x) for x in shape.find("origin").get("xyz").split()], abs=1e-12
         )
+
+
+@pytest.mark.parametrize("name", ["anymal", "a1", "anymal_c", "go1", "go2", "solo12"])
+def test_a_standing_foots_ball_is_as_low_as_its_collision_geometry(name):
+    robot = load_robot(name)
+    data = robot.model.createData()
+    pin.framesForwardKinematics(robot.model, data, robot.posture)
+    shapes = [shape for shape in link_shapes(robot) if shape.foot]
+    for leg, contact in zip(robot.legs, foot_contacts(robot), strict=True):
+        frame = robot.model.frames[leg.foot_frame_id]
+        ball = data.oMf[leg.foot_frame_id].act(contact.centres[0])[2] - contact.radius
+        lowest = min(_lowest(shape, data) for shape in shapes if shape.joint == frame.parentJoint)
+        assert ball == pytest.approx(lowest, abs=2e-3)
+
+
+def _lowest(shape, data):
+    """M: the height of a shape's lowest point, by its distance to a floor far below."""
+    placed, top = data.oMi[shape.joint], -1.0
+    here = coal.Transform3s(placed.rotation @ shape.rotation, placed.act(shape.centre))
+    floor = coal.Transform3s(np.eye(3), np.array([0.0, 0.0, top - 0.5]))
+    request, result = coal.DistanceRequest(), coal.DistanceResult()
+    return top + coal.distance(
+        shape.geometry(), here, coal.Box(10.0, 10.0, 1.0), floor, request, result
+    )
 
 
 def test_of_several_spheres_on_a_leg_the_one_next_to_the_foot(tmp_path):

@@ -74,6 +74,12 @@ def test_flights_may_be_short_where_legs_are_slow_to_catch_a_fall(quadruped):
     assert quadruped.file.timing.flight[0] == (0.2 if slow else 0.3)
 
 
+def test_a_foot_that_is_a_disc_has_the_discs_radius(tmp_path):
+    solo = "solo_description/robots/solo12.urdf"
+    robot = written(tmp_path / "solo.toml", f"{PACKAGE}:{solo}")
+    assert robot.file.foot.radius == pytest.approx(0.016, abs=1e-4)
+
+
 def test_mirrored_hind_legs_bend_the_other_way(quadruped):
     """Knees of ANYmal C, HyQ and Solo 12 point at each other, all others backward."""
     knees = np.sign(quadruped.posture[7:][quadruped.leg_joint_index][:, 2])
