@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import llsrbm
-from llsrbm import api, certified_plan
+from llsrbm import certified_plan, drafting
 from llsrbm.certificate import certified
 from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.horizon import Iterate
@@ -143,7 +143,7 @@ NEAR_THE_TABLE = Jump(robot=ROBOT, twist=0.4, forward=0.1)
 @cache
 def from_the_table():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(api, "planner_of", lambda *_, **__: pytest.fail("a draft was begun"))
+        patch.setattr(drafting, "planner_of", lambda *_, **__: pytest.fail("a draft was begun"))
         return llsrbm.plan(NEAR_THE_TABLE)
 
 
