@@ -97,7 +97,8 @@ def _begin(page):
         session._inbox.put(event)
     if page.viewport_size != VIEW:
         page.set_viewport_size(VIEW)
-    page.evaluate("llsrbm.player.pause(), document.getElementById('llsrbm-dialog').close()")
+    page.evaluate("llsrbm.player.pause()")
+    page.evaluate("document.querySelectorAll('dialog[open]').forEach(dialog => dialog.close())")
     tab(page, "View")
     page.mouse.move(10, 10)
     wait_until(lambda: session.plan is plan and session.rollout is None, "the example's plan")

@@ -47,7 +47,5 @@ def test_on_a_phone_the_robots_have_room_above_the_card(browser, designer):
     card.locator("p").filter(has_text=re.compile(r"^At touchdown")).wait_for(timeout=60_000)
     wait_until(lambda: card.bounding_box()["y"] > 300, "room for the picture")
     page.evaluate("llsrbm.player.pause()")
-    page.locator(".mantine-Notification-closeButton").click()  # viser's, on software drawing
-    page.locator(".mantine-Notification-root").wait_for(state="detached")
     assert unreadable(page) == []
     page.context.close()
