@@ -116,6 +116,8 @@ class Panel:
         return {
             "examples": uuid_of(self.buttons[Act.EXAMPLES]),
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
+            "undo": uuid_of(self.buttons[Act.UNDO]),
+            "redo": uuid_of(self.buttons[Act.REDO]),
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),

@@ -253,7 +253,7 @@
   window.llsrbm.panel = {
     arrange(controls) {
       arranged.textContent = arrangement(controls);
-      [, undoing, redoing] = controls.icons;
+      ({ undo: undoing, redo: redoing } = controls);
     },
     setShortcuts: (on) => (window.llsrbm.shortcuts = on),
     swatches(colours) {

@@ -26,7 +26,7 @@ def test_a_label_says_what_it_means_in_one_note(page):
 
 
 def test_a_figure_says_what_it_means(page):
-    page.locator("dt", has_text="Flight time").hover()
+    page.locator("dt:visible", has_text="Flight time").hover()
     wait_until(lambda: notes(page) == ["Time without any foot on the ground"], "the note")
     page.mouse.move(10, 10)
 
