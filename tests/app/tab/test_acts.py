@@ -47,7 +47,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
             "UNDO",
             "CHECK",
         ),
-        *("COMPARE_MODELS", "COMPARE_DRIVES", "EXAMPLES"),
+        *("COMPARE_MODELS", "COMPARE_DRIVES", "EXAMPLES", "HELP"),
         *("ADD_CHART", "REMOVE_CHART", "SAVE_LINES"),
     }
     tab.take(Act.PIN)
