@@ -120,12 +120,13 @@ def test_neither_a_move_nor_a_change_from_elsewhere_is_lost(events):
                 assert fields.handle(row).moved_to == getattr(state, name_shown)
 
 
-def test_what_a_hand_is_moving_is_not_put_back(fields):
+@pytest.mark.parametrize("elsewhere", [3.0, 7.0])
+def test_what_a_hand_is_moving_is_not_put_back(fields, elsewhere):
     handle = fields.handle(ROWS["number"])
     handle.moved_to = 3.0
     state, _ = fields.read(Shelf(), ())
-    handle.moved_to = 4.0  # on its way to the session while the 3 is drawn
-    fields.show(state, ("a", "b", "c"))
+    handle.moved_to = 4.0  # on its way to the session while another number is drawn
+    fields.show(replace(state, number=elsewhere), ("a", "b", "c"))
     assert handle.moved_to == 4.0
     assert fields.read(state, ())[0].number == 4.0
 

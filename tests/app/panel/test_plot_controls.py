@@ -36,9 +36,9 @@ def test_menus_and_buttons_choose_charts(tab, chosen):
     chosen(lambda plots: plots.charts == (*DEFAULT.charts, FEET), "the fifth chart")
     tab.wait(lambda: tab.control("Preset")["value"] == "Custom", "no preset")
     tab.wait(lambda: tab.value("Chart") == "Foot force, RH z", "the last one, to be removed")
-    tab.set("Chart", "CoM position, z")
+    tab.set("Chart", "Inertia, zz")
     tab.press("Remove chart")
-    chosen(lambda p: len(p.charts) == 4 and ChartChoice("com", ("z",)) not in p.charts, "less one")
+    chosen(lambda p: len(p.charts) == 4 and ChartChoice("inertia", ("zz",)) not in p.charts, "less one")
     tab.set("Preset", TORQUES)
     kinds = ["all joints", "HAA", "HFE", "KFE"]
     tab.wait(lambda: list(tab.control("Joints")["props"]["options"]) == kinds, "ANYmal's joints")
