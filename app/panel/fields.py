@@ -145,7 +145,8 @@ class Fields(Generic[V]):
                     handle.options = options  # and another value, where that is none of them
                     if self._stands[field] not in options:
                         self._stands[field] = options[0]
-            shown, stands = field.shown(value) if there else self._stands[field], self._stands[field]
+            stands = self._stands[field]
+            shown = field.shown(value) if there else stands
             # One that was moved since it was read keeps what it was moved to: it is read next.
             moved = stands is not _LOST and not _same(handle.value, stands)
             if not moved and not _same(shown, stands):
