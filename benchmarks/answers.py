@@ -106,7 +106,6 @@ def main(
     for name in robots.split(","):
         planner = planner_for(name, Jump().model)
         planner.formulation.solver.settle()
-        planner.prepare_nearest(Jump(robot=name), settle=True)
         jumps = requests(name, requests_each, seed)
         cold = cold_time(planner, jumps[:COLD_PLANS])
         found = [answer(planner, jump, limits, hurried) for jump in jumps]

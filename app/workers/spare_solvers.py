@@ -1,8 +1,7 @@
 """Builds solvers that will be wanted next, beside all else (`-m app.workers.spare_solvers JUMP`).
 
-Those of nearer jumps, for as soon as a request is not feasible, of jumps whose apex is dragged, and
-those that plan anew in flight.
-They take some ten seconds each, once on a machine. The process ends with the one that asked for it.
+Those of jumps whose apex is dragged, and those that plan anew in flight. They take some ten seconds
+each, once on a machine. The process ends with the one that asked for it.
 """
 
 from __future__ import annotations
@@ -23,10 +22,23 @@ def build(jump: Jump) -> None:
     subprocess.Popen(command, stdin=asker(), start_new_session=True)
 
 
+def are_built(jump: Jump) -> bool:
+    """Whether they were before, as far as the first of them tells."""
+    from llsrbm.planning.answer.planner import is_planner_built
+
+    return is_planner_built(jump, _free_apex())
+
+
+def _free_apex() -> dict[str, float]:
+    """Limits of the apex that limit nothing, of jumps that have them."""
+    from llsrbm.planning.problem.apex import APEX_LIMITS, FREE_APEX
+
+    return dict(zip(APEX_LIMITS, FREE_APEX, strict=True))
+
+
 def main(text: str) -> None:
     """Build them; `text`: the jump as JSON."""
     from llsrbm.planning.answer.planner import planner_of
-    from llsrbm.planning.problem.apex import APEX_LIMITS, FREE_APEX
     from llsrbm.request.scenario import Scenario
     from llsrbm.simulation.replanning import Replanning
 
@@ -34,8 +46,7 @@ def main(text: str) -> None:
     yield_to_others()
     jump = Jump(**json.loads(text))
     planner = planner_of(jump)
-    planner.prepare_nearest(jump)
-    planner_of(jump, limits=dict(zip(APEX_LIMITS, FREE_APEX, strict=True)))
+    planner_of(jump, limits=_free_apex())
     plan = planner.plan(jump)
     Replanning(plan, planner.robot, 1 / planner.robot.file.control.rate, Scenario().replan_latency)
 

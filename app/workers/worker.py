@@ -69,12 +69,11 @@ class LibraryPlanner:
             near.solution is None or tasks.solver_of(near.jump, near.tuning) != task.needs
         ):
             near = None
-        # A slider that moves does not wait for a solver that has to be built first.
-        looks = not task.alone and (self._has_nearest(task, cancelled) or task.patient)
+        self._build_beside(task)
         how: dict[str, Any] = {
             "weights": task.tuning.weights,
             "limits": task.tuning.limits,
-            "patient": looks,
+            "patient": not task.alone,
             "hurried": not task.patient,
             "draft": True,  # the whole body's follows once the request has rested
             "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
@@ -162,20 +161,14 @@ class LibraryPlanner:
         progress("checking the motion at 1 kHz")
         return certify(task.motion)
 
-    def _has_nearest(self, task: tasks.PlanJump, cancelled: Callable[[], bool]) -> bool:
-        """Whether the solver of nearer jumps is at hand; a slider has it built beside all else."""
-        from llsrbm.planning.answer.planner import planner_of
-
-        jump = task.jump
-        planner = planner_of(jump, cancelled=cancelled, limits=task.tuning.limits)
-        built = planner.has_nearest_built(jump)
-        if built:
-            # A second, which the first slider shall not wait for.
-            planner.prepare_nearest(jump, cancelled=cancelled)
-        elif not task.patient and tasks.solver_of(jump) not in self._spare:
-            self._spare.add(tasks.solver_of(jump))
-            spare_solvers.build(jump)
-        return built
+    def _build_beside(self, task: tasks.PlanJump) -> None:
+        """Have what a slider that moves will be followed by built in a process of its own."""
+        solver = tasks.solver_of(task.jump)
+        if task.patient or solver in self._spare:
+            return
+        self._spare.add(solver)
+        if not spare_solvers.are_built(task.jump):
+            spare_solvers.build(task.jump)
 
     def _announce(self, task: tasks.PlanJump, progress: ProgressListener) -> None:
         from llsrbm.planning.answer.planner import is_planner_built

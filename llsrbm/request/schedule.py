@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.arrays import BoolArray
+from llsrbm.arrays import BoolArray, IntArray
 from llsrbm.errors import InputError, printable
 
 LONGEST_NAME = 40  # characters of a phase's; it stands on a strip of the timeline
@@ -69,6 +69,22 @@ class Schedule:
     def stands(self) -> BoolArray:
         """(P, L) whether a foot stands in a phase."""
         return np.array([[leg in phase.feet for leg in self.legs] for phase in self.phases])
+
+    @cached_property
+    def places_before(self) -> IntArray:
+        """(P, L) the place in which a foot stands in a phase, or stood last."""
+        before = np.full(self.stands.shape, self.phases[0].place, dtype=np.int64)
+        for p, phase in enumerate(self):
+            before[p] = np.where(self.stands[p], phase.place, before[max(p - 1, 0)])
+        return before
+
+    @cached_property
+    def places_after(self) -> IntArray:
+        """(P, L) the place in which a foot stands in a phase, or stands next."""
+        after = self.places_before.copy()
+        for p in reversed(range(len(self) - 1)):
+            after[p] = np.where(self.stands[p], self.phases[p].place, after[p + 1])
+        return after
 
     @property
     def names(self) -> tuple[str, ...]:

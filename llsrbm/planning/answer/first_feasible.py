@@ -13,17 +13,15 @@ from llsrbm.ocp import solvers
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.answer.nearby import NEARBY_MISS
 from llsrbm.planning.answer.nearest import (
-    ELASTIC_AGAIN,
-    ElasticFormulation,
     Nearest,
     attempt_at_request,
     plain_attempt,
-    retargeted,
     stands,
     starts,
 )
+from llsrbm.planning.problem.placement import retargeted
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.formulation import Attempt, Formulation
+from llsrbm.planning.solve.formulation import NEARER_AGAIN, Attempt, Formulation
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 
@@ -53,37 +51,35 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
 
 
 def first_feasible(
-    formulation: ElasticFormulation, task: Task, begun: tuple[Jump, Array], watch: Watch
+    formulation: Formulation, task: Task, begun: tuple[Jump, Array], watch: Watch
 ) -> Nearest | None:
     """A jump near a task's, often the request itself; None: none was found in a hurry.
 
     Args:
-        formulation: of the elastic problem.
+        formulation: of such jumps.
         task: the request's.
-        begun: the jump of a solution nearby, and all its plain variables, or those of where solving
+        begun: the jump of a solution nearby, and all its variables, or those of where solving
             the request was given up.
         watch: reports and cancels.
 
     Raises:
         Cancelled: it is not wanted any more.
     """
-    for start, options, penalty in starts(formulation, task, begun):
-        close = formulation.solver.miss(formulation.problem(task), start) < NEARBY_MISS
-        way = replace(formulation, penalty=penalty)
-        elastic = way.solve(task, start, watch, FROM_NEARBY if close else options)
-        if elastic.converged:
-            return _first_that_stands(way, elastic, watch)
+    for start, options, at_price in starts(formulation, task, begun):
+        close = formulation.solver.miss(formulation.problem(at_price), start) < NEARBY_MISS
+        priced = formulation.solve(at_price, start, watch, FROM_NEARBY if close else options)
+        if priced.converged:
+            return _first_that_stands(formulation, priced, watch)
     return None
 
 
-def _first_that_stands(way: ElasticFormulation, elastic: Attempt, watch: Watch) -> Nearest | None:
+def _first_that_stands(form: Formulation, priced: Attempt, watch: Watch) -> Nearest | None:
     for _ in range(MAX_TRIES):
-        for plain in (attempt_at_request(way, elastic), plain_attempt(way, elastic)):
+        for plain in (attempt_at_request(form, priced), plain_attempt(form, priced)):
             if plain.solved and stands(plain.task):
-                return Nearest(plain, elastic, way)
-        elastic = way.solve(
-            way.with_shifted_bounds(elastic), elastic.solution.variables, watch, ELASTIC_AGAIN
-        )
-        if not elastic.converged:
+                return Nearest(plain, priced, form)
+        shifted = form.with_shifted_bounds(priced)
+        priced = form.solve(shifted, priced.solution.variables, watch, NEARER_AGAIN)
+        if not priced.converged:
             break
     return None

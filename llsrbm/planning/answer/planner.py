@@ -19,9 +19,8 @@ from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.progress import interruptible, when_idle
 from llsrbm.planning.answer.first_feasible import first_feasible, with_bounds_nearby
 from llsrbm.planning.answer.nearby import from_nearby, usable_start
-from llsrbm.planning.answer.nearest import ElasticFormulation, Nearest, find_nearest
+from llsrbm.planning.answer.nearest import Nearest, find_nearest
 from llsrbm.planning.answer.reasons import refusal, unexplained
-from llsrbm.planning.problem.elastic import ElasticLayout
 from llsrbm.planning.problem.knots import Knots
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import check_turns, make_task
@@ -41,8 +40,8 @@ _log = logging.getLogger(__name__)
 FOLLOWED = "from the last plan"
 BY_NEARER = "by way of nearer jumps"
 NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
-# From a guess, where the elastic problem goes on from there: of ANYmal's uniform requests nine in
-# ten are planned by then, of other robots' 98 in 100.
+# From a guess, where the nearest jump is looked for next: of ANYmal's uniform requests nine in ten
+# are planned by then, of other robots' 98 in 100.
 FROM_GUESS_FIRST = replace(solvers.FROM_GUESS, iterations=35)
 
 
@@ -79,13 +78,11 @@ class Planner:
             robot, made, layout, cached_solver(kind, of_jumps(made, layout, robot))
         )
         self.last: Attempt | None = None
-        self._elastic_kept: ElasticFormulation | None = None  # of the last request's places
 
     @property
     def solvers(self) -> tuple[solvers.Solver, ...]:
-        """Solvers of the jumps, and of nearer ones once they were looked for."""
-        elastic = self._elastic_kept
-        return (self.formulation.solver, *(() if elastic is None else (elastic.solver,)))
+        """The one that it has."""
+        return self.formulation.solvers
 
     @property
     def robot(self) -> Robot:
@@ -147,7 +144,7 @@ class Planner:
             )
         watch, start = Watch(cancelled, progress), time.perf_counter()
         watch.wait()
-        looks = patient and self._has_nearest(task)
+        looks = patient and self._has_nearest
         hurried = hurried and looks
         if hurried and near is not None:
             tried, nearest = self._from_near(task, near, watch)
@@ -169,8 +166,7 @@ class Planner:
         """Attempts at the request, and the nearest jump if all have failed and it is looked for."""
         if looks and near is not None and near.is_nearest:
             # What is asked now will hardly do where the request before did not.
-            elastic = self._elastic(task, watch)
-            nearest = find_nearest(elastic, task, watch, self._less(task, near))
+            nearest = find_nearest(self.formulation, task, watch, self._less(task, near))
             if nearest is not None:
                 return [], nearest
         tried: list[Attempt] = []
@@ -185,7 +181,7 @@ class Planner:
         watch.begin("looking for the nearest jump that can be planned")
         find = first_feasible if hurried else find_nearest
         begun = task.jump, tried[-1].solution.variables
-        return tried, find(self._elastic(task, watch), task, watch=watch, begun=begun)
+        return tried, find(self.formulation, task, watch=watch, begun=begun)
 
     def _from_near(
         self, task: Task, near: Plan, watch: Watch
@@ -202,7 +198,7 @@ class Planner:
             tried = [attempt]
         watch.begin("looking for the nearest jump that can be planned")
         begun = near.jump, start.variables
-        found = first_feasible(self._elastic(task, watch), bounded, begun, watch)
+        found = first_feasible(form, bounded, begun, watch)
         if found is None and not tried:  # a refusal says where the request stopped
             tried = [form.follow(bounded, start, watch)]
         return tried, found
@@ -236,45 +232,11 @@ class Planner:
         there = replace(plain.solution, converged=False, iterations=0, solve_time_s=0.0)
         return replace(self.formulation.judged(task, there), label=NOT_TRIED)
 
-    def _has_nearest(self, task: Task) -> bool:
+    @property
+    def _has_nearest(self) -> bool:
         """Whether less of a request can be asked for, see `answer.nearest`."""
         first = self.formulation.solver.name == solvers.names()[0]
-        return first and not task.jump.turns and all(self.layout.stands[0])
-
-    def _elastic(self, task: Task, watch: Watch) -> ElasticFormulation:
-        layout = ElasticLayout.around(self.layout, task)
-        if self._elastic_kept is None or self._elastic_kept.layout != layout:
-            self._elastic_kept = None  # its memory is for the next one
-            make = partial(ElasticFormulation.of, self.formulation, layout)
-            self._elastic_kept = watch.built(make)
-        return self._elastic_kept
-
-    def has_nearest_built(self, jump: Jump) -> bool:
-        """Whether looking for a nearer jump takes no building first, or there is none."""
-        task = make_task(jump, self.formulation.robot)
-        if not self._has_nearest(task):
-            return True
-        layout, form = ElasticLayout.around(self.layout, task), self.formulation
-        kept = self._elastic_kept
-        known = kept is not None and kept.layout == layout
-        return known or is_built(of_jumps(form.model, layout, form.robot))
-
-    def prepare_nearest(
-        self,
-        jump: Jump,
-        *,
-        settle: bool = False,
-        cancelled: Callable[[], bool] | None = None,
-    ) -> None:
-        """Load or build the solver of nearer jumps, which takes some ten seconds the first time.
-
-        `settle`: and wait until it is compiled. Raises `Cancelled`: `cancelled` was true.
-        """
-        task = make_task(jump, self.formulation.robot)
-        if self._has_nearest(task):
-            elastic = self._elastic(task, Watch(cancelled))
-            if settle:
-                elastic.solver.settle()
+        return first and self.layout.gives
 
     @staticmethod
     def _less(task: Task, near: Plan | None) -> tuple[Jump, Array] | None:

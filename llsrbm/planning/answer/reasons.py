@@ -2,7 +2,7 @@
 
 At the nearest jump multipliers say by how much less of the request would have to be given up if a
 limit was a little looser: their order is right, amounts are off by up to 2.4 times. How much looser
-the first one has to be is found by the elastic problem under it, until it gives up nothing.
+the first one has to be is found by solving at a price under it, until nothing is given up.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.answer.nearest import ELASTIC_DEARER, LEAST_SHORTFALL, Nearest, distance
+from llsrbm.planning.answer.nearest import LEAST_SHORTFALL, NEARER_DEARER, Nearest, distance
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.jump_horizon import row_bounds, row_places
 from llsrbm.planning.problem.limits import Limit, limits_in
@@ -100,11 +100,11 @@ def unexplained(task: Task, best: Attempt, plan: Plan) -> NotConverged:
 
 def gains(nearest: Nearest) -> list[Gain]:
     """Gains of the limits that hold the nearest jump back, the most important first."""
-    form, elastic = nearest.formulation, nearest.elastic
-    task, multipliers = replace(elastic.task, agreed_bounds={}), elastic.solution.multipliers
+    form, priced = nearest.formulation, nearest.priced
+    task, multipliers = replace(priced.task, agreed_bounds={}), priced.solution.multipliers
     lower, upper = row_bounds(form.layout, task)
     problem = form.problem(task)
-    variables = elastic.solution.variables
+    variables = priced.solution.variables
     rows = form.constraint_values(variables, problem.parameters)
     places, _ = row_places(form.layout, task)
     held = {c for c in CONSTRAINTS if np.abs(multipliers[places.get(c, [])]).max(initial=0.0) > 0}
@@ -123,7 +123,7 @@ def gains(nearest: Nearest) -> list[Gain]:
             cost = multipliers @ (other_rows - rows)
             cost -= np.maximum(multipliers, 0.0) @ _change(upper, high)
             cost -= np.minimum(multipliers, 0.0) @ _change(lower, low)
-            slope = -float(cost) / form.penalty / abs(step)
+            slope = -float(cost) / task.penalty / abs(step)
             found.append(Gain(constraint, limit, value, slope))
     found.sort(key=lambda gain: -gain.relative)
     return [gain for gain in found if gain.relative > FEW * max(found[0].relative, 0.0)]
@@ -160,7 +160,7 @@ def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
 
     It is what the rows need: where the whole body objects to that motion nothing is solved again.
     """
-    value, missing = gain.value, _missing(nearest.elastic)
+    value, missing = gain.value, _missing(nearest.priced)
     step = gain.looser * FIRST_TRY * missing / max(gain.slope, 1e-9)
     for _ in range(MAX_TRIES):
         end = gain.limit.loosest
@@ -179,8 +179,8 @@ def _needed(nearest: Nearest, gain: Gain, watch: Watch) -> Stop | None:
     return None
 
 
-def _missing(elastic: Attempt) -> float:
-    return distance(elastic.task, elastic.task.jump)
+def _missing(priced: Attempt) -> float:
+    return distance(priced.task, priced.task.jump)
 
 
 def _demand(gain: Gain, value: float, free: Attempt) -> Stop:
@@ -201,25 +201,25 @@ def _limited_too(constraint: Constraint) -> Iterator[Constraint]:
 
 
 def _free(nearest: Nearest, gain: Gain, value: float, watch: Watch) -> Attempt:
-    """The elastic problem's solution under a looser limit.
+    """The solution under a looser limit, in which less may be done at a price.
 
     What the whole body says of other limits at the nearest jump stays in their bounds.
     """
-    form, elastic = nearest.formulation, nearest.elastic
+    form, priced = nearest.formulation, nearest.priced
     own = {gain.constraint.name, *(c.name for c in _limited_too(gain.constraint))}
-    kept = {name: b for name, b in elastic.task.agreed_bounds.items() if name not in own}
-    task = gain.limit.put(replace(elastic.task, agreed_bounds=kept), value)
-    return form.solve(task, elastic.solution.variables, watch, ELASTIC_DEARER)
+    kept = {name: b for name, b in priced.task.agreed_bounds.items() if name not in own}
+    task = gain.limit.put(replace(priced.task, agreed_bounds=kept), value)
+    return form.solve(task, priced.solution.variables, watch, NEARER_DEARER)
 
 
 def _at_limit(nearest: Nearest, gain: Gain) -> Stop:
     """A limit, and where the nearest jump leans on it most."""
-    form, elastic = nearest.formulation, nearest.elastic
-    places, owner = row_places(form.layout, elastic.task)
+    form, priced = nearest.formulation, nearest.priced
+    places, owner = row_places(form.layout, priced.task)
     concerned = [c for c in (gain.constraint, *_limited_too(gain.constraint)) if c in places]
     rows = np.concatenate([places[c] for c in concerned])
-    knots = elastic.knots
-    knot = int(owner[rows[np.argmax(np.abs(elastic.solution.multipliers[rows]))]])
+    knots = priced.knots
+    knot = int(owner[rows[np.argmax(np.abs(priced.solution.multipliers[rows]))]])
     found = Stop(
         constraint=gain.constraint.name,
         phase=phase_name(knots, knot),

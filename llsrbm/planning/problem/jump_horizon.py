@@ -6,18 +6,16 @@ from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.arrays import Array, IntArray
+from llsrbm.arrays import Array
 from llsrbm.models.base import CentroidalModel
 from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
-from llsrbm.planning.problem.elastic import ElasticStage
 from llsrbm.planning.problem.knots import DYNAMICS, RowValues
 from llsrbm.planning.problem.layout import BODY, BODY_PLACES, Layout
 from llsrbm.planning.problem.parameters import (
@@ -31,10 +29,8 @@ from llsrbm.planning.problem.parameters import (
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
-from llsrbm.robots.robot import Robot
 
 _BODY = np.zeros(max(place.stop for place in BODY_PLACES.values()))
-_within: WeakKeyDictionary[Robot, dict[tuple[Layout, Layout], IntArray]] = WeakKeyDictionary()
 
 
 def constraints_of(role: Role) -> tuple[Constraint, ...]:
@@ -47,8 +43,7 @@ def make_horizon(model: CentroidalModel, layout: Layout) -> Horizon:
     symbols, places = parameter_symbols(layout), parameter_places(layout)
 
     def builder(role: Role, following: Role | None) -> Callable[[], StageExpressions]:
-        kind: Any = ElasticStage if layout.elastic else Stage
-        return lambda: _expressions(kind(role, layout, model, symbols), symbols, following)
+        return lambda: _expressions(Stage(role, layout, model, symbols), symbols, following)
 
     def own(knot: int) -> slice:
         start = places[OWN].start + layout.own_numbers * knot
@@ -119,24 +114,6 @@ def row_places(layout: Layout, task: Task) -> tuple[dict[Hashable, NDArray[Any]]
     """Places of the rows of g by the constraint that they are of, and each row's knot."""
     places, knot, *_ = _listed(layout, task)
     return places, knot
-
-
-def rows_within(layout: Layout, wider: Layout, task: Task) -> IntArray:
-    """(rows,) places of a layout's rows of g among those of a layout with more states.
-
-    A task changes the rows' bounds, not their number, which is the layout's and the robot's: the
-    first one's listing is kept.
-    """
-    known = _within.setdefault(task.robot, {})
-    if (layout, wider) not in known:
-        starts, end = {}, 0
-        for row, knot, low, _ in _rows(wider, task):
-            starts[row, knot] = end
-            end += len(low)
-        rows = _rows(layout, task)
-        places = [starts[row, knot] + np.arange(len(low)) for row, knot, low, _ in rows]
-        known[layout, wider] = np.concatenate(places)
-    return known[layout, wider]
 
 
 @lru_cache(maxsize=2)

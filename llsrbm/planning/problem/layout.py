@@ -8,6 +8,9 @@ first forces of feet that land and the first position and velocity of feet that 
 A schedule that is under way begins with a robot that moves: its angular momentum and the feet that
 swing are given, too. Where it lands next is free: all places after the next flight are shifted
 alike, by a state with zero dynamics.
+
+How much of a request is given up is a state with zero dynamics, too, from the first knot at which a
+foot swings, chosen as a control in the interval before: see `problem.shortfall`.
 """
 
 from __future__ import annotations
@@ -15,12 +18,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import ClassVar
 
 import numpy as np
 
 from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.planning.problem.roles import Role, roles_of
+from llsrbm.request.jump import COMPONENTS
 from llsrbm.request.schedule import Schedule
 
 BODY = ("position", "quat", "velocity", "momentum")
@@ -32,10 +35,14 @@ BODY_PLACES = {
     "momentum": slice(10, 13),
 }
 SHIFT = "shift"
+SHORTFALL = "shortfall"  # state: shares of the ranges by which the request's components are reduced
+NEXT_SHORTFALL = "next_shortfall"  # control: what they become
 ARMS = ("arms", "arms_velocity", "arms_step")  # states, and what changes the second one
 TURNED = "rotation_rate_before"  # state
 _SIZES = dict.fromkeys(("position", "velocity", "momentum", "rotation_rate", TURNED), 3)
 _SIZES |= {"quat": 4, SHIFT: 2}
+_SIZES |= dict.fromkeys((SHORTFALL, NEXT_SHORTFALL), len(COMPONENTS))
+SWING_NUMBERS = 3  # of a leg that each interval has for itself, see `shortfall.swing_numbers`
 _SCALARS = ("duration", "next_duration")
 
 LEAST_INTERVALS = 3  # of a phase
@@ -61,8 +68,8 @@ class Layout:
     arms: the joints of free arms, rad, in all phases alike; arms_velocity, arms_step: as of feet,
     rad/s, the first interval goes on as it begins; rotation_rate: the base's angular velocity over
     the interval, base axes, rad/s; rotation_rate_before: of the interval before, with free arms,
-    whose drives feel it change; shift: of where feet land, horizontally, m. A variable of
-    feet or forces has the legs of `legs_of`.
+    whose drives feel it change; shift: of where feet land, horizontally, m; shortfall: shares of
+    the ranges. A variable of feet or forces has the legs of `legs_of`.
 
     Attributes:
         contacts: C, L times the corners of a foot.
@@ -74,6 +81,8 @@ class Layout:
         under_way: whether it begins in motion, and where feet land next is free.
         arm_joints: of all arms that are free.
         apex: whether the apex of flights is limited.
+        places_before, places_after: (P, L) the place in which each foot stands in a phase, or stood
+            last; stands, or stands next; () where no less than the request may be done.
     """
 
     contacts: int
@@ -85,7 +94,8 @@ class Layout:
     under_way: bool = False
     arm_joints: int = 0
     apex: bool = False
-    elastic: ClassVar[bool] = False  # see `problem.elastic`
+    places_before: tuple[tuple[int, ...], ...] = ()
+    places_after: tuple[tuple[int, ...], ...] = ()
 
     @classmethod
     def of(
@@ -100,16 +110,34 @@ class Layout:
         arm_joints: int = 0,
         apex: bool = False,
     ) -> Layout:
-        """Layout of a schedule; `intervals` as for three phases."""
+        """Layout of a schedule; `intervals` as for three phases.
+
+        Whole turns are not done in part, and a motion under way lands where it can already.
+        """
         stands = tuple(tuple(bool(foot) for foot in row) for row in schedule.stands)
         counts, under_way = split(intervals, schedule), schedule.under_way
         shape = contacts, stands, counts, foot_coordinates
-        return cls(*shape, clears, turns, under_way, arm_joints, apex)
+        places: list[tuple[tuple[int, ...], ...]] = []
+        if not turns and not under_way:
+            each = schedule.places_before, schedule.places_after
+            places = [tuple(map(tuple, rows.tolist())) for rows in each]
+        return cls(*shape, clears, turns, under_way, arm_joints, apex, *places)
 
     @property
     def own_numbers(self) -> int:
         """Parameters that each interval has for itself."""
-        return 3 + (2 * self.legs if self.turns else 0)
+        turning = 2 * self.legs if self.turns else 0
+        return 3 + turning + (SWING_NUMBERS * self.legs if self.gives else 0)
+
+    @property
+    def gives(self) -> bool:
+        """Whether less than the request may be done."""
+        return bool(self.places_after)
+
+    @property
+    def displacements(self) -> int:
+        """K, of the schedule."""
+        return max(map(max, self.places_after))
 
     @property
     def legs(self) -> int:
@@ -160,6 +188,7 @@ class Layout:
             under_way=self.under_way,
             moves_arms=self.arm_joints > 0,
             apex=self.apex,
+            places=tuple(zip(self.places_before, self.places_after, strict=True)),
         )
 
     @cached_property
@@ -234,14 +263,15 @@ class Layout:
 
     def states(self, role: Role) -> tuple[str, ...]:
         """Names of the states at a knot of that role."""
-        shift = (SHIFT,) if role.shifts else ()
+        landing = ((SHIFT, role.shifts), (SHORTFALL, role.has_shortfall))
+        where = tuple(name for name, there in landing if there)
         moves_arms = role.moves_arms and not role.initial
         if role.terminal:
-            return (*BODY, *(ARMS[:2] if moves_arms else ()), *shift)
+            return (*BODY, *(ARMS[:2] if moves_arms else ()), *where)
         arms = (*ARMS[:2], TURNED) if moves_arms else ()
         feet = ("feet", "feet_velocity") if role.in_air and not role.initial else ()
         force = ("force",) if role.standing else ()
-        return (*(() if role.initial else BODY), *arms, *feet, *force, "duration", *shift)
+        return (*(() if role.initial else BODY), *arms, *feet, *force, "duration", *where)
 
     def controls(self, role: Role) -> tuple[str, ...]:
         """Names of the controls over the interval that starts at a knot of that role."""
@@ -254,7 +284,7 @@ class Layout:
         names += ["next_feet", "next_feet_velocity"] if role.lifting_off else []
         names += ["next_force"] if role.touching_down else []
         names += ["next_duration"] if role.last and not role.final else []
-        return (*names, "rotation_rate")
+        return (*names, "rotation_rate", *((NEXT_SHORTFALL,) if role.chooses_shortfall else ()))
 
     @staticmethod
     def _force_steps(role: Role) -> bool:

@@ -8,13 +8,12 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.planning.problem.clearance_profile import CLEARANCE_PARAMETERS, clearance_parameters
 from llsrbm.planning.problem.costs import COSTS, weight_parameter
-from llsrbm.planning.problem.elastic import (
-    ElasticLayout,
-    elastic_parameters,
-    elastic_sizes,
+from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.shortfall import (
+    shortfall_parameters,
+    shortfall_sizes,
     swing_numbers,
 )
-from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.stage_body import StageBody
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import Jump
@@ -62,8 +61,8 @@ def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[st
     own = [correction / task.mass]
     if layout.turns:
         own.append(_rolled(layout, task, at_knots=at_knots).reshape(layout.total, -1))
-    if isinstance(layout, ElasticLayout):
-        values |= elastic_parameters(layout, task)
+    if layout.gives:
+        values |= shortfall_parameters(layout, task)
         own.append(swing_numbers(layout, task))
     last = {OWN: np.hstack(own)}
     return {name: np.ravel(value) for name, value in (values | weights | last).items()}
@@ -113,8 +112,8 @@ def parameter_sizes(layout: Layout) -> dict[str, int]:
     for p in range(layout.phases):
         local = StageBody.local_sizes(layout)
         sizes |= dict(zip(_local_names(p), local.values(), strict=True))
-    if isinstance(layout, ElasticLayout):
-        sizes |= elastic_sizes(layout)
+    if layout.gives:
+        sizes |= shortfall_sizes(layout)
     weights = {weight_parameter(cost): 1 for cost in COSTS}
     return sizes | weights | {OWN: layout.own_numbers * layout.total}
 

@@ -229,3 +229,20 @@ def describe(jump: Jump) -> str:
         f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
         f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"
     )
+
+
+def retargeted(task: Task, jump: Jump) -> Task:
+    """The task of another jump, under the same limits; what it was asked for is kept."""
+    return replace(
+        place_task(jump, task.robot, task.tuning),
+        limits=task.limits,
+        reach=task.reach,
+        timing=task.timing,
+        foot=task.foot,
+        body_margin=task.body_margin,
+        apex=task.apex,
+        correction=task.correction,
+        agreed_bounds=task.agreed_bounds,
+        requested=task.requested or task.jump,
+        penalty=task.penalty,
+    )

@@ -35,6 +35,10 @@ class Role:
         moves_arms: whether the robot has arms that are free.
         limits_apex: at the first knot of a flight whose apex is limited.
         shifts: whether where feet will land is a variable; shifted: whether they have landed there.
+        places_before, places_after: (L,) place in which each foot stands, or stood last; stands, or
+            stands next; () where no less than the request may be done.
+        has_shortfall: whether what is given up of the request is known, a state.
+        chooses_shortfall: whether it is chosen over the interval that starts here.
     """
 
     phase: int
@@ -59,6 +63,10 @@ class Role:
     limits_apex: bool = False
     shifts: bool = False
     shifted: bool = False
+    places_before: tuple[int, ...] = ()
+    places_after: tuple[int, ...] = ()
+    has_shortfall: bool = False
+    chooses_shortfall: bool = False
 
     @property
     def in_contact(self) -> bool:
@@ -110,18 +118,24 @@ def roles_of(
     under_way: bool = False,
     moves_arms: bool = False,
     apex: bool = False,
+    places: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...] = (),
 ) -> tuple[Role, ...]:
-    """(N + 1) roles of knots, by which feet stand in a phase and by its intervals; see `Layout`."""
+    """(N + 1) roles of knots, by which feet stand in a phase and by its intervals; see `Layout`.
+
+    `places`: of each phase the feet's places before and after; () of no phase.
+    """
     roles: list[Role] = []
     last_phase = len(stands) - 1
     flights = [p for p, row in enumerate(stands) if not any(row)]
     last_flight = max(flights, default=-1)
     shifts = under_way and bool(flights)
+    first_swing = next(p for p, row in enumerate(stands) if not all(row)) if places else len(stands)
     same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
         now = np.array(stands[p])
         before = np.array(stands[max(p - 1, 0)])
         after = np.array(stands[min(p + 1, last_phase)])
+        here = {**same, **_placed(places[p] if places else ((), ()), p >= first_swing)}
         for k in range(count):
             first, last = k == 0, k == count - 1
             lifting_off = _legs(now & ~after) if last else ()
@@ -146,7 +160,8 @@ def roles_of(
                     lands_upright=turns and p > last_flight,
                     limits_apex=apex and first and p in flights,
                     shifted=shifts and p > flights[0],
-                    **same,
+                    chooses_shortfall=last and p == first_swing - 1,
+                    **here,
                 )
             )
     end = Role(
@@ -157,9 +172,14 @@ def roles_of(
         terminal=True,
         final=True,
         shifted=shifts,
-        **same,
+        **here,
     )
     return (*roles, end)
+
+
+def _placed(places: tuple[tuple[int, ...], tuple[int, ...]], known: bool) -> dict[str, Any]:
+    before, after = places
+    return {"places_before": before, "places_after": after, "has_shortfall": known}
 
 
 def _legs(mask: BoolArray) -> tuple[int, ...]:

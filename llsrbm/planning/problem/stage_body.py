@@ -9,76 +9,18 @@ import casadi as ca
 
 from llsrbm.mechanics import GRAVITY
 from llsrbm.models.arms import Carried
-from llsrbm.models.base import CentroidalModel
-from llsrbm.ocp.lifting import Lifting
-from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
-from llsrbm.planning.problem.roles import Role
+from llsrbm.planning.problem.layout import TURNED, Layout
 from llsrbm.planning.problem.rotations import quat_exp, quat_product, rotation_matrix
+from llsrbm.planning.problem.stage_places import StagePlaces
 
 
-class StageBody:
+class StageBody(StagePlaces):
     """Symbols of a stage of one role; the body's motion and the contact forces.
 
     World frame unless a name says otherwise; angular momentum and moments divided by the mass.
     Accelerations over an interval are constant, so position, velocity and angular momentum are
     exact; the attitude uses the angular velocity at the interval's midpoint.
-
-    Attributes:
-        role, layout, model: what the stage is about.
-        parameters: name -> symbols that stay fixed in a solve.
-        symbols: name -> this stage's variables; variables: all of them, states first.
-        standing_feet: (3, L) m: where the feet stand in this phase, or stood last; shifted or not.
-        standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
-        towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
-        local: all of these in one column: parameters of a phase.
-        correction: (3, 1) m2/s, base axes, parameter of the interval: see `Task.correction`; / m.
-        rolled: (2, L) m, likewise, of bodies that turn over: see `Task.rolled`.
-        lift: collects the intermediates derivatives run through.
     """
-
-    def __init__(
-        self, role: Role, layout: Layout, model: CentroidalModel, parameters: dict[str, ca.SX]
-    ) -> None:
-        self.role, self.layout, self.model, self.parameters = role, layout, model, parameters
-        names = (*layout.states(role), *layout.controls(role))
-        self.symbols = {name: ca.SX.sym(name, layout.size(name, role)) for name in names}
-        self.variables = ca.vertcat(*self.symbols.values())
-        # Symbols of their own, so that phases can share their expressions.
-        feet = ca.SX.sym("standing_feet", 3, layout.legs)
-        contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
-        self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
-        self.towards = self._given_towards = ca.SX.sym("towards", 2, layout.legs)
-        self.local = ca.vertcat(
-            ca.vec(feet), ca.vec(contacts), self.standing_yaw, ca.vec(self.towards)
-        )
-        shift = ca.vertcat(self.shift, 0) if role.shifted else ca.SX.zeros(3)
-        self.correction = ca.SX.sym("correction", 3)
-        self.rolled = ca.SX.sym("rolled", 2, layout.legs if layout.turns else 0)
-        moved = ca.repmat(shift, 1, layout.legs)
-        if layout.turns:
-            moved += ca.vertcat(self.rolled, ca.SX.zeros(1, layout.legs))
-        self.standing_feet = feet + moved
-        self.standing_contacts = contacts + ca.kron(moved, ca.DM.ones(1, layout.corners))
-        self.lift = Lifting(self.variables)
-        self.intervals = role.intervals
-
-    @property
-    def own(self) -> Any:
-        """Parameters of the interval alone, in one column."""
-        return ca.vertcat(self.correction, ca.vec(self.rolled))
-
-    @property
-    def penalty(self) -> Any:
-        """Cost of what is given up of the request, see `problem.elastic`."""
-        return ca.SX(0)
-
-    def ground_moved(self, leg: int) -> Any:
-        """m: how far what a flying foot clears is above what the parameters say."""
-        return 0
-
-    def edge_moved(self, leg: int) -> Any:
-        """m along `towards`: likewise of the edge that it crosses."""
-        return 0
 
     @staticmethod
     def local_sizes(layout: Layout) -> dict[str, int]:
@@ -165,11 +107,6 @@ class StageBody:
     def momentum(self) -> Any:
         """L / m, (3, 1) m2/s."""
         return self.symbols.get("momentum", self.parameters.get("start_momentum", ca.SX.zeros(3)))
-
-    @property
-    def shift(self) -> Any:
-        """Shift of where feet land, (2, 1) m."""
-        return self.symbols.get(SHIFT, ca.SX.zeros(2))
 
     @property
     def off_goal(self) -> Any:

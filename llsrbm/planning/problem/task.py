@@ -153,6 +153,8 @@ class Task:
         body_margin: m that they keep.
         apex: lowest and highest apex of the CoM in every flight, m above the ground at the start.
         requested: the request of which `jump` does less; None: `jump` is what was asked.
+        penalty: cost of a whole range of it that is given up; 0: nothing may be
+            (`problem.shortfall`).
         displacement: what the jump type says of where each of several jumps leads; () nothing.
     """
 
@@ -181,6 +183,7 @@ class Task:
     obstacle: Obstacle | None = None
     clears: bool = False
     requested: Jump | None = None
+    penalty: float = 0.0
     displacement: tuple[Displacement, ...] = ()
     body_margin: float = BODY_MARGIN
     apex: tuple[float, float] = FREE_APEX
@@ -231,23 +234,6 @@ class Task:
             return float(low), float(high)
         return time
 
-    @cached_property
-    def places_before(self) -> IntArray:
-        """(P, L) the place in which a foot stands in a phase, or stood last."""
-        stands, first = self.schedule.stands, self.schedule[0].place
-        before = np.full(stands.shape, first, dtype=np.int64)
-        for p, phase in enumerate(self.schedule):
-            before[p] = np.where(stands[p], phase.place, before[max(p - 1, 0)])
-        return before
-
-    @cached_property
-    def places_after(self) -> IntArray:
-        """(P, L) the place in which a foot stands in a phase, or stands next."""
-        stands, after = self.schedule.stands, self.places_before.copy()
-        for p in reversed(range(len(stands) - 1)):
-            after[p] = np.where(stands[p], self.schedule[p].place, after[p + 1])
-        return after
-
     def footholds_before(self, phase: int) -> Footholds:
         """Where feet stand in a phase, or stood last."""
         return self._footholds[0][phase]
@@ -259,7 +245,7 @@ class Task:
     @cached_property
     def _footholds(self) -> tuple[list[Footholds], list[Footholds]]:
         """Where feet stood, and where they land, of each phase."""
-        each = (self.places_before, self.places_after)
+        each = (self.schedule.places_before, self.schedule.places_after)
         before, after = ([self._each_in(places) for places in rows] for rows in each)
         return before, after
 
@@ -279,17 +265,18 @@ class Task:
 
     def landing_place(self, phase: int, leg: int) -> int:
         """The place in which a foot stands in a phase, or stands next."""
-        return int(self.places_after[phase, leg])
+        return int(self.schedule.places_after[phase, leg])
 
     def edges(self, phase: int, leg: int) -> Edges:
         """Edges that a foot swinging in a phase crosses, as all feet would."""
-        return self._edges[int(self.places_before[phase, leg]), int(self.places_after[phase, leg])]
+        each = self.schedule.places_before, self.schedule.places_after
+        before, after = (int(places[phase, leg]) for places in each)
+        return self._edges[before, after]
 
     @cached_property
     def _edges(self) -> dict[tuple[int, int], Edges]:
-        pairs = zip(
-            self.places_before.ravel().tolist(), self.places_after.ravel().tolist(), strict=True
-        )
+        each = self.schedule.places_before, self.schedule.places_after
+        pairs = zip(*(places.ravel().tolist() for places in each), strict=True)
         return {(a, b): Edges.between(self.places[a], self.places[b]) for a, b in set(pairs)}
 
     def swing_share(self, phase: int, progress: Array) -> Array:

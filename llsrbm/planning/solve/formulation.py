@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import Any, ClassVar
+from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
 
-from llsrbm.arrays import Array
+from llsrbm.arrays import Array, IntArray
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.models.base import CentroidalModel
 from llsrbm.motion.plan import Plan
@@ -18,22 +18,28 @@ from llsrbm.motion.solve_report import SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate, Problem, Solution
 from llsrbm.ocp.progress import solving
 from llsrbm.ocp.solvers import FROM_GUESS, SolveOptions, Solver
-from llsrbm.planning.problem.constraints import AGREED
+from llsrbm.planning.problem.constraints import AGREED, CONSTRAINTS
+from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
+from llsrbm.planning.problem.constraints.edge import Edge
+from llsrbm.planning.problem.constraints.shortfall import Shortfall, most
 from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, correction
 from llsrbm.planning.problem.jump_horizon import (
     evaluated_rows,
     make_problem,
     rolled_out,
+    row_places,
 )
 from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
-from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.layout import NEXT_SHORTFALL, SHORTFALL, Layout
 from llsrbm.planning.problem.limits import limits_in
+from llsrbm.planning.problem.placement import retargeted
+from llsrbm.planning.problem.shortfall import IDLE_PENALTY, shortfall_parameters
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import TOLERANCE, excess, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.solver_cache import is_compiling
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots.robot import Robot
 
 # Solves from a near solution before planning starts from a guess instead. The second corrects small
@@ -43,14 +49,23 @@ MAX_FOLLOWS = 2
 FROM_CLOSE = replace(FROM_GUESS, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
+_SHORTFALL = next(c for c in CONSTRAINTS if isinstance(c, Shortfall))
+# And those that it may satisfy without: what shifted bounds of the rows keep. Of a nearer jump
+# another edge may bound the feet.
+MENDED = frozenset(c.name for c in AGREED) | CORRECTED
+MENDED_NEARER = MENDED | {Edge.name, BodyClearance.name}
 # Such solves; each takes the error down by some nine tenths.
 MAX_CORRECTIONS = 3
 # Solves with shifted bounds of drives and stops; one is enough for most. Each has to take the
 # excess down to this share of what it was.
 MAX_SHIFTS = 6
+MAX_SHIFTS_NEARER = 2  # where less may be done: all of what that does is solved after these
 MAX_SHRINK = 0.8
 # Excess up to which following is tried first: from further off one in fifteen gets there so.
 MAX_EXCESS_FOLLOWED = 0.2
+# Where less may be done, with what the whole body says: 14 to 49 iterations, where the options of
+# `answer.nearest` take 23 to 61.
+NEARER_AGAIN = replace(FROM_GUESS, iterations=80, mu=1e-3, push=1e-3)
 # From a flip's guess Fatrop may get lost and never come back; those that converge take 40 to 60.
 # The larger push takes fewer; with flight times from 20 % below the guess's to 20 % above 19 of 20
 # are found.
@@ -117,9 +132,6 @@ class Formulation:
     model: CentroidalModel
     layout: Layout
     solver: Solver
-    shifts: ClassVar[int] = MAX_SHIFTS  # at most, of `reconciled`
-    # Constraints that `reconciled` may satisfy by solving again with the results of the check.
-    mended: ClassVar[frozenset[str]] = frozenset(c.name for c in AGREED) | CORRECTED
 
     @property
     def solvers(self) -> tuple[Solver, ...]:
@@ -155,7 +167,7 @@ class Formulation:
             last = self.judged(task, watch.over(solve))
             attempts.append(last)
             # Where only the check of the whole body objects, the same rows give the same again.
-            if last.solved or last.broken <= self.mended:
+            if last.solved or last.broken <= mended(task):
                 break
             start = last.solution
         return best_of(attempts)
@@ -178,8 +190,8 @@ class Formulation:
             options = FROM_CLOSE if task.jump.turns else FROM_GUESS
             attempts.append(self.solve(task, last.solution.variables, watch, options))
         last = attempts[-1]
-        for _ in range(self.shifts):
-            if not last.broken or not last.broken <= self.mended:
+        for _ in range(MAX_SHIFTS_NEARER if last.task.penalty else MAX_SHIFTS):
+            if not last.broken or not last.broken <= mended(last.task):
                 break
             task = self.with_shifted_bounds(last)
             near = excess(last.violations) < MAX_EXCESS_FOLLOWED
@@ -216,8 +228,11 @@ class Formulation:
     ) -> Attempt:
         """Solve a task whose numbers differ a little from those of a solution's.
 
-        `near`: so little that following may do. `hurried`: no more than that is tried then.
+        `near`: so little that following may do. `hurried`: no more than that is tried then. Where
+        less may be done what is given up changes too much for following.
         """
+        if task.penalty:
+            return self.solve(task, last.variables, watch, NEARER_AGAIN)
         tried = [self.follow(task, last, watch)] if near else []
         if not tried or not (tried[-1].converged or hurried):
             tried.append(self.solve(task, last.variables, watch, FROM_CLOSE))
@@ -266,12 +281,52 @@ class Formulation:
             return np.array(self.solver.function("nlp_g")(w, parameters)).ravel()
 
     def judged(self, task: Task, solution: Solution) -> Attempt:
-        """The motion of a solution, checked."""
+        """The motion of a solution, checked as one of the jump that it does."""
+        task = retargeted(task, self.done(task, solution.variables)) if task.penalty else task
         evaluate = partial(evaluated_rows, self.layout, self.constraint_values)
         with np.errstate(all="ignore"):  # a solver that diverges leaves what is no number
             w = rolled_out(self.layout, lambda w: evaluate(task, w)[DYNAMICS], solution.variables)
             knots = unpack(w, self.layout, task, self.model, evaluate)
             return Attempt(task, solution, knots, violations(knots))
+
+    def done(self, task: Task, variables: Array) -> Jump:
+        """The jump that a solution does."""
+        numbers = shortfall_parameters(self.layout, task)
+        shortfall = np.maximum(variables[self._shortfall[-1]], 0.0)
+        reached = numbers["asked"] - numbers["scale"] * shortfall
+        return replace(task.jump, **dict(zip(COMPONENTS, reached.tolist(), strict=True)))
+
+    def with_less(self, task: Task, variables: Array, jump: Jump) -> Array:
+        """All variables of a jump that does less than the task asks, as those of the task."""
+        numbers = shortfall_parameters(self.layout, task)
+        reached = np.array([getattr(jump, name) for name in COMPONENTS])
+        less, scale = numbers["asked"] - reached, numbers["scale"]
+        shortfall = np.divide(less, scale, out=np.zeros_like(less), where=scale != 0)
+        out = variables.copy()
+        out[self._shortfall] = np.clip(shortfall, 0.0, most(self.layout, task))
+        return out
+
+    def whole(self, task: Task, solution: Iterate) -> Iterate:
+        """A solution as one of the jump that it does, of which nothing is given up.
+
+        The rows of what is given up are worth then what keeps it at 0, not what it would buy.
+        """
+        variables, multipliers = solution.variables.copy(), solution.multipliers.copy()
+        variables[self._shortfall] = 0.0
+        places, _ = row_places(self.layout, task)
+        multipliers[places[SHORTFALL]] = 0.0
+        multipliers[places[_SHORTFALL]] = -IDLE_PENALTY
+        return Iterate(variables, multipliers)
+
+    @cached_property
+    def _shortfall(self) -> IntArray:
+        """(n, 4) places of what is given up; the first of its choice, the others of the states."""
+        return np.vstack([self.layout.places(NEXT_SHORTFALL), self.layout.places(SHORTFALL)])
+
+
+def mended(task: Task) -> frozenset[str]:
+    """Constraints that `reconciled` may satisfy by solving again with the results of the check."""
+    return MENDED_NEARER if task.penalty else MENDED
 
 
 def scaled(jump: Jump, share: float) -> Jump:

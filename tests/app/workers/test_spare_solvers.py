@@ -15,8 +15,8 @@ from app.workers import spare_solvers
 from app.workers.tasks import PlanJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.ocp.compiled import asker
-from llsrbm.planning.answer.planner import Planner
 from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 
 JUMP = Jump(robot="go2", twist=math.radians(20), forward=0.05)
@@ -42,8 +42,13 @@ def patient(monkeypatch):
 
 def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
     built = []
-    monkeypatch.setattr(Planner, "prepare_nearest", lambda _, jump: built.append(jump))
-    monkeypatch.setattr(Planner, "plan", lambda _, jump, **how: jump)
+    planner = SimpleNamespace(plan=lambda jump: jump, robot=load_robot("go2"))
+
+    def planner_of(jump, limits=None):
+        built.append(limits)
+        return planner
+
+    monkeypatch.setattr("llsrbm.planning.answer.planner.planner_of", planner_of)
     monkeypatch.setattr(
         "llsrbm.simulation.replanning.Replanning", lambda *numbers: built.append(numbers[0])
     )
@@ -54,12 +59,12 @@ def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
     assert how == {"stdin": asker(), "start_new_session": True}
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=lambda: 0))
     spare_solvers.main(*command[3:])
-    assert built == [JUMP, JUMP]
+    assert built == [None, spare_solvers._free_apex(), JUMP]
     assert patient == [0, "yields"]
 
 
 def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
-    monkeypatch.setattr(Planner, "has_nearest_built", lambda *_: False)
+    monkeypatch.setattr(spare_solvers, "are_built", lambda _: False)
     hurried = []
 
     def plan(jump, *, patient, **how):

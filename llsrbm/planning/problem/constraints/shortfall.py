@@ -8,14 +8,9 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.planning.problem.constraints.base import Bounds, Constraint
-from llsrbm.planning.problem.elastic import (
-    NEXT_SHORTFALL,
-    ElasticLayout,
-    ElasticRole,
-    elastic_parameters,
-)
-from llsrbm.planning.problem.layout import Layout
+from llsrbm.planning.problem.layout import NEXT_SHORTFALL, Layout
 from llsrbm.planning.problem.roles import Role
+from llsrbm.planning.problem.shortfall import shortfall_parameters
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
@@ -23,14 +18,14 @@ ROOM = 2e-3  # of a range beyond all of a component: an interior-point solver ne
 
 
 class Shortfall(Constraint):
-    """0 <= s <= all of it, of each component of the request; elastic problems alone."""
+    """0 <= s <= all of it, of each component of the request."""
 
     name = "shortfall"
     unit = "1"
 
     def applies(self, role: Role) -> bool:
         """Where it is chosen."""
-        return isinstance(role, ElasticRole) and role.chooses_shortfall
+        return role.chooses_shortfall
 
     def checked(self, task: Task) -> bool:
         """Never: a plan that was found does all of its own jump."""
@@ -42,13 +37,12 @@ class Shortfall(Constraint):
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """At most down to nothing."""
-        assert isinstance(layout, ElasticLayout)
         top = most(layout, task)
         return np.zeros_like(top), top + ROOM
 
 
-def most(layout: ElasticLayout, task: Task) -> Array:
+def most(layout: Layout, task: Task) -> Array:
     """(4,) all that can be given up of a request, in shares of the ranges."""
-    numbers = elastic_parameters(layout, task)
+    numbers = shortfall_parameters(layout, task)
     whole, scale = np.abs(numbers["asked"]), np.abs(numbers["scale"])
     return np.divide(whole, scale, out=np.zeros_like(whole), where=scale > 0)

@@ -74,9 +74,7 @@ def test_where_nothing_is_given_up_the_solution_is_the_plan():
     near = planner.plan(replace(START, twist=1.1))
     jump = replace(START, twist=1.2)
     task = make_task(jump, ANYMAL)
-    found = first_feasible(
-        planner._elastic(task, Watch()), task, (near.jump, near.solution.variables), Watch()
-    )
+    found = first_feasible(planner.formulation, task, (near.jump, near.solution.variables), Watch())
     assert found.plain.task.jump == jump
     assert found.plain.solved
 

@@ -161,15 +161,14 @@ def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
 def test_the_nearest_that_was_found_first_is_not_dropped_for_a_further_one(monkeypatch):
     asked, little, much = (Jump(twist=twist) for twist in (1.0, 0.9, 0.4))
     task = replace(make_task(asked, ROBOT), requested=asked)
-    way, elastic = SimpleNamespace(), attempt_of(*LITTLE, asked)
-    way.solve, way.penalty, way.reconciled = lambda *_: elastic, 1.0, lambda attempt, _: attempt
+    form, priced = SimpleNamespace(), attempt_of(*LITTLE, asked)
+    form.solve, form.reconciled = lambda *_: priced, lambda attempt, _: attempt
     rounds = iter([attempt_of(True, 0.0, little), attempt_of(True, 0.0, much)])
-    monkeypatch.setattr(nearest, "replace", lambda *_, **__: way)
-    monkeypatch.setattr(nearest, "starts", lambda *_: [(None, None, 1.0)])
+    monkeypatch.setattr(nearest, "starts", lambda *_: [(None, None, task)])
     monkeypatch.setattr(nearest, "_falls_short", lambda *_: False)
     monkeypatch.setattr(nearest, "_in_whole_steps", lambda *_: next(rounds))
-    monkeypatch.setattr(nearest, "_dearer", lambda *_: [(way, attempt_of(*LITTLE))])
-    assert nearest.find_nearest(way, task, Watch()).plain.task.jump == little
+    monkeypatch.setattr(nearest, "_dearer", lambda *_: [attempt_of(*LITTLE)])
+    assert nearest.find_nearest(form, task, Watch()).plain.task.jump == little
 
 
 def test_an_attempt_is_told(planner):
@@ -252,11 +251,10 @@ def test_cancelled_in_the_middle_of_a_solve(planner):
     np.testing.assert_array_equal(again.com, solved("srbm", "all").plan.com)
 
 
-@pytest.mark.parametrize("what", ["plan", "nearest", "refine", "simulate"])
+@pytest.mark.parametrize("what", ["plan", "refine", "simulate"])
 def test_cancelled_while_a_solver_is_built(what, monkeypatch):
     """At once, whatever it is built for; and the building ends, too."""
     plan = solved("srbm", "forward").plan
-    of_jump = planner_for("anymal", "srbm")
     begun, ended = threading.Event(), threading.Event()
 
     def build(*_):
@@ -273,7 +271,6 @@ def test_cancelled_while_a_solver_is_built(what, monkeypatch):
     monkeypatch.setattr(kept, "_holders", OrderedDict())
     ask = {
         "plan": partial(llsrbm.plan, plan.jump),
-        "nearest": partial(Planner.prepare_nearest, of_jump, plan.jump),
         "refine": partial(refined, plan),
         "simulate": partial(llsrbm.simulate, plan, replan=True),
     }[what]

@@ -3,7 +3,6 @@
 import math
 from dataclasses import replace
 from functools import cache
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +12,7 @@ from llsrbm.errors import Cancelled, InputError, JointNeed, NotConverged, Stop
 from llsrbm.mechanics import turns_about_z
 from llsrbm.ocp.solvers import FROM_GUESS
 from llsrbm.planning.answer.nearest import STEPS, distance, find_nearest
-from llsrbm.planning.answer.planner import BY_NEARER, Planner, planner_for
+from llsrbm.planning.answer.planner import BY_NEARER, planner_for
 from llsrbm.planning.answer.reasons import gains, sentence, stops_at
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE
@@ -144,8 +143,9 @@ def test_of_several_ways_to_less_the_one_that_keeps_most_is_found():
 
 @pytest.mark.parametrize("jump", [Jump(twist=1.2), Jump(twist=-0.4, forward=0.3, height=0.1)])
 def test_what_can_be_planned_is_given_up_in_nothing(jump):
-    elastic = planner_for("anymal", FAR.model)._elastic(make_task(FAR, ANYMAL), Watch())
-    found = find_nearest(elastic, make_task(jump, ANYMAL), Watch())
+    found = find_nearest(
+        planner_for("anymal", FAR.model).formulation, make_task(jump, ANYMAL), Watch()
+    )
     assert found.plain.task.jump == jump
     assert found.plain.solved
 
@@ -157,7 +157,7 @@ def test_multipliers_say_which_limit_is_worth_most():
     looser_task = first.limit.put(task, first.limit.of(task) + loosened)
     begun = found.plain.task.jump, found.plain.solution.variables
     looser = find_nearest(found.formulation, looser_task, Watch(), begun)
-    gained = distance(task, found.elastic.task.jump) - distance(task, looser.elastic.task.jump)
+    gained = distance(task, found.priced.task.jump) - distance(task, looser.priced.task.jump)
     assert 1 / 3 < gained / (loosened * first.slope) < 3
 
 
@@ -188,10 +188,9 @@ def test_by_way_of_nearer_jumps_all_of_it_may_be_found(monkeypatch):
 
 def test_turns_have_no_nearer_ones():
     flip = Jump(robot="go2", type="flip", pitch=-2 * math.pi)
-    robot, form = load_robot("go2"), SimpleNamespace(solver=SimpleNamespace(name="fatrop"))
-    planner = SimpleNamespace(formulation=form, layout=layout_of(flip, robot))
-    assert not Planner._has_nearest(planner, make_task(flip, robot))
-    assert Planner._has_nearest(planner, make_task(Jump(robot="go2"), robot))
+    robot = load_robot("go2")
+    assert not layout_of(flip, robot).gives
+    assert layout_of(Jump(robot="go2"), robot).gives
 
 
 def test_cancelled_and_bad_input():
@@ -218,7 +217,7 @@ def test_stops_in_words():
 @pytest.mark.parametrize(
     "jump",
     [
-        # The elastic problem takes both for feasible in full while Pinocchio's check objects.
+        # The rows take both for feasible in full while Pinocchio's check objects.
         Jump(twist=math.radians(-155.944), forward=0.106439, lateral=-0.137528, height=0.031527),
         # What its rows keep of the limits costs this one half a degree.
         Jump(twist=math.radians(84.0), forward=0.54, lateral=-0.07, height=0.15),

@@ -10,10 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.models import make_model
-from llsrbm.planning.problem.elastic import SHORTFALL, ElasticLayout, ElasticStage
 from llsrbm.planning.problem.foot_clearance import FAR, clearance_line, edge_ranges
+from llsrbm.planning.problem.layout import SHORTFALL
 from llsrbm.planning.problem.parameters import parameter_symbols, parameters
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
@@ -33,7 +34,7 @@ signs = st.tuples(*[st.floats(-1.0, 1.0)] * 4)
 def stages(name, kind):
     robot = load_robot(name)
     jump = Jump(robot=name, type=kind, hops=2 if kind == "hops" else 1)
-    layout = ElasticLayout.around(layout_of(jump, robot, 18), make_task(jump, robot))
+    layout = layout_of(jump, robot, 18)
     model, symbols = make_model("llsrbm-plus", robot), parameter_symbols(layout)
     return robot, jump, layout, model, symbols
 
@@ -42,7 +43,7 @@ def stages(name, kind):
 def function(name, kind, knot):
     """Of a knot's stage, what is given up and all parameters: what depends on it."""
     _, _, layout, model, symbols = stages(name, kind)
-    stage = ElasticStage(layout.roles[knot], layout, model, symbols)
+    stage = Stage(layout.roles[knot], layout, model, symbols)
     moved = [ca.SX(stage.ground_moved(i)) for i in range(layout.legs)]
     edges = [ca.SX(stage.edge_moved(i)) for i in range(layout.legs)]
     of = [stage.parameters[f"goal_{name}"] for name in ("position", "quat", "velocity")]
@@ -80,7 +81,7 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
         stones=request.stones,
         **{c: s * getattr(request, c) for c, s in zip(COMPONENTS, less, strict=True)},
     )
-    reference, task = make_task(request, robot), make_task(done, robot)
+    reference, task = replace(make_task(request, robot), penalty=1.0), make_task(done, robot)
     numbers = parameters(layout, reference)
     scale = numbers["scale"]
     missing = [getattr(request, c) - getattr(done, c) for c in COMPONENTS]
@@ -115,7 +116,7 @@ def test_the_edge_moves_with_the_jump():
     robot, _, layout, _, _ = stages("go2", "together")
     request = Jump(robot="go2", twist=0.074, forward=0.555, lateral=-0.214, height=0.227)
     less = replace(request, twist=0.06, forward=0.54, height=0.22)
-    reference, task = make_task(request, robot), make_task(less, robot)
+    reference, task = replace(make_task(request, robot), penalty=1.0), make_task(less, robot)
     numbers = parameters(layout, reference)
     scale = np.where(numbers["scale"] == 0, 1, numbers["scale"])
     shortfall = np.array([getattr(request, c) - getattr(less, c) for c in COMPONENTS]) / scale
