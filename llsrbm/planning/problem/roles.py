@@ -129,7 +129,8 @@ def roles_of(
     flights = [p for p, row in enumerate(stands) if not any(row)]
     last_flight = max(flights, default=-1)
     shifts = under_way and bool(flights)
-    first_swing = next(p for p, row in enumerate(stands) if not all(row)) if places else len(stands)
+    swings = (p for p, row in enumerate(stands) if places and not all(row))
+    first_swing = next(swings, last_phase + 2)  # of phases in which less than asked may be done
     same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
         now = np.array(stands[p])

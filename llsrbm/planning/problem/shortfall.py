@@ -19,8 +19,6 @@ from llsrbm.planning.problem.stones import offsets
 from llsrbm.planning.problem.task import Task
 from llsrbm.request.jump import COMPONENTS
 
-IDLE_PENALTY = 1.0  # where nothing may be given up: it keeps shares that change nothing at 0
-
 
 def shortfall_sizes(layout: Layout) -> dict[str, int]:
     """Name -> number of scalars of the parameters that say what may be given up."""
@@ -48,7 +46,7 @@ def shortfall_parameters(layout: Layout, task: Task) -> dict[str, Array]:
         "asked": whole,
         "reference": np.array([getattr(task.jump, name) for name in COMPONENTS]),
         "scale": np.sign(whole) * np.where(ranges > 0, ranges, 1.0) * bool(task.penalty),
-        "penalty": np.array([task.penalty or IDLE_PENALTY]),
+        "penalty": np.array([task.penalty]),
         "fixed": np.array([[value or 0.0 for value in row] for row in given]),
         "follows": np.array([[float(value is None) for value in row] for row in given]),
         "stones": offsets(task.jump.stones, task.robot),

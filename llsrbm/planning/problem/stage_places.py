@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import reduce
 from typing import Any
 
@@ -81,23 +82,32 @@ class StagePlaces:
         done = of["asked"] - of["scale"] * self.symbols[SHORTFALL]
         self._now, self._then = self._poses(done), self._poses(of["reference"])
         self._turned = [now[0] - then[0] for now, then in zip(self._now, self._then, strict=True)]
-        last = self._now[-1]
-        of["goal_position"] = _Rz(last[0]) @ of["start_position"] + last[1]
+        of["goal_position"] = self._moved(-1, of["goal_position"])
         half = self._turned[-1] / 2
         turn = ca.vertcat(ca.cos(half), 0, 0, ca.sin(half))
         of["goal_quat"] = quat_product(turn, of["goal_quat"])
         of["goal_velocity"] = _Rz(self._turned[-1]) @ of["goal_velocity"]
         if any(role.places_before):
-            self.standing_feet = self.lift(self._placed_in(self._now, role.places_before))
-            self.standing_contacts = self.lift(self._contacts_in(self._now, role.places_before))
+            feet, corners = role.places_before, self.layout.corners
+            contacts = np.repeat(feet, corners).tolist()
+            self.standing_feet = self._all_moved(feet, self.standing_feet)
+            self.standing_contacts = self._all_moved(contacts, self.standing_contacts)
             if self.layout.foot_coordinates > 3:
-                headings = ca.vertcat(*(self._now[place][0] for place in role.places_before))
-                self.standing_yaw = self.lift(of["phase0_yaw"] + headings)
+                turned = ca.vertcat(*(self._turned[place] for place in feet))
+                self.standing_yaw = self.lift(self.standing_yaw + turned)
         columns = [
             _Rz(self._turned[place])[:2, :2] @ self._given_towards[:, leg]
             for leg, place in enumerate(role.places_after)
         ]
         self.towards = self.lift(ca.horzcat(*columns))
+
+    def _moved(self, place: int, point: Any) -> Any:
+        """(3, 1) m: where a point of a place is, of which the parameters know where it was."""
+        return _Rz(self._turned[place]) @ (point - self._then[place][1]) + self._now[place][1]
+
+    def _all_moved(self, places: Sequence[int], points: Any) -> Any:
+        each = zip(places, ca.horzsplit(points), strict=True)
+        return self.lift(ca.horzcat(*(self._moved(place, point) for place, point in each)))
 
     @property
     def penalty(self) -> Any:
@@ -140,14 +150,8 @@ class StagePlaces:
             poses.append((heading, self.lift(origin)))
         return poses
 
-    def _placed_in(self, poses: list[tuple[Any, Any]], places: tuple[int, ...]) -> Any:
-        """(3, L) m: each foot in its place."""
-        feet = ca.reshape(self.parameters["phase0_feet"], 3, -1)
-        each = (feet[:, leg] + self._aside(leg, p) for leg, p in enumerate(places))
-        return ca.horzcat(*(_at(poses[p], foot) for p, foot in zip(places, each, strict=True)))
-
     def _contacts_in(self, poses: list[tuple[Any, Any]], places: tuple[int, ...]) -> Any:
-        """(3, C) m: likewise of contact points."""
+        """(3, C) m: contact points, each in its foot's place."""
         points = ca.reshape(self.parameters["phase0_contacts"], 3, -1)
         each, corners = np.repeat(places, self.layout.corners), self.layout.corners
         found = (

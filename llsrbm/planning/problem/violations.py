@@ -13,7 +13,7 @@ from llsrbm.motion.solve_report import Violation
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.constraints.base import JointDemand
 from llsrbm.planning.problem.knots import DYNAMICS, Knots
-from llsrbm.planning.problem.layout import BODY_PLACES, SHIFT, TURNED
+from llsrbm.planning.problem.layout import BODY_PLACES, SHIFT, SHORTFALL, TURNED
 from llsrbm.planning.problem.limit_table import Limit
 
 # A plan is solved when no violation exceeds this in its own SI unit: 1 mm, 1 mN, 1 mm/s ...
@@ -29,6 +29,7 @@ SCALES = {
     "Nm": 10.0,
     "kg m2/s": 0.5,
     "s": 0.1,
+    "1": 1.0,
 }
 
 # How far a limit is moved, times its value, to see whether it is the one that is exceeded.
@@ -45,6 +46,7 @@ STATE_UNITS = {
     "arms_velocity": "rad/s",
     TURNED: "rad/s",
     SHIFT: "m",
+    SHORTFALL: "1",
 }
 
 

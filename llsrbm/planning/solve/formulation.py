@@ -33,7 +33,7 @@ from llsrbm.planning.problem.knots import DYNAMICS, Knots, unpack
 from llsrbm.planning.problem.layout import NEXT_SHORTFALL, SHORTFALL, Layout
 from llsrbm.planning.problem.limits import limits_in
 from llsrbm.planning.problem.placement import retargeted
-from llsrbm.planning.problem.shortfall import IDLE_PENALTY, shortfall_parameters
+from llsrbm.planning.problem.shortfall import shortfall_parameters
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import TOLERANCE, excess, satisfied, violations
 from llsrbm.planning.solve.guess import analytic_guess
@@ -309,13 +309,13 @@ class Formulation:
     def whole(self, task: Task, solution: Iterate) -> Iterate:
         """A solution as one of the jump that it does, of which nothing is given up.
 
-        The rows of what is given up are worth then what keeps it at 0, not what it would buy.
+        The rows of what is given up are worth nothing then.
         """
         variables, multipliers = solution.variables.copy(), solution.multipliers.copy()
         variables[self._shortfall] = 0.0
         places, _ = row_places(self.layout, task)
-        multipliers[places[SHORTFALL]] = 0.0
-        multipliers[places[_SHORTFALL]] = -IDLE_PENALTY
+        for rows in (SHORTFALL, _SHORTFALL):
+            multipliers[places[rows]] = 0.0
         return Iterate(variables, multipliers)
 
     @cached_property

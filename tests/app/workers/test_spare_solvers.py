@@ -65,10 +65,10 @@ def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
 
 def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
     monkeypatch.setattr(spare_solvers, "are_built", lambda _: False)
-    hurried = []
+    asked = []
 
-    def plan(jump, *, patient, **how):
-        hurried.append(not patient)
+    def plan(jump, *, patient, hurried, **how):
+        asked.append((patient, hurried))
         return synthetic_plan(jump)
 
     monkeypatch.setattr("llsrbm.plan", plan)
@@ -76,7 +76,7 @@ def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
     for twist in (0.1, 0.2):
         task = PlanJump(replace(JUMP, twist=twist), patient=False)
         planner.plan(task, lambda *_, **__: None, lambda: False)
-    assert hurried == [True, True]
+    assert asked == [(True, True)] * 2  # nearer jumps are looked for, in a hurry
     assert len(started) == 1
 
 

@@ -61,7 +61,7 @@ def test_a_lost_force_is_a_lost_acceleration(knots):
 def test_names_and_phases(knots):
     found = violations(knots)
     dynamics = ["position", "velocity", "attitude", "momentum"]
-    dynamics += ["feet", "feet_velocity", "force", "duration"]
+    dynamics += ["feet", "feet_velocity", "force", "duration", "shortfall"]
     # There is nothing in the way that the body would have to clear, and nothing is given up.
     unchecked = ("body_clearance", "shortfall")
     constraints = [c.name for c in CONSTRAINTS if c.name not in unchecked]
