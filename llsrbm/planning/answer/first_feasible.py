@@ -51,12 +51,12 @@ def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solutio
 
 
 def first_feasible(
-    formulation: Formulation, task: Task, begun: tuple[Jump, Array], watch: Watch
+    form: Formulation, task: Task, begun: tuple[Jump, Array], watch: Watch
 ) -> Nearest | None:
     """A jump near a task's, often the request itself; None: none was found in a hurry.
 
     Args:
-        formulation: of such jumps.
+        form: of such jumps.
         task: the request's.
         begun: the jump of a solution nearby, and all its variables, or those of where solving
             the request was given up.
@@ -65,11 +65,11 @@ def first_feasible(
     Raises:
         Cancelled: it is not wanted any more.
     """
-    for start, options, at_price in starts(formulation, task, begun):
-        close = formulation.solver.miss(formulation.problem(at_price), start) < NEARBY_MISS
-        priced = formulation.solve(at_price, start, watch, FROM_NEARBY if close else options)
+    for start, options, at_price in starts(form, task, begun):
+        close = form.solver.miss(form.problem(at_price), start) < NEARBY_MISS
+        priced = form.solve(at_price, start, watch, FROM_NEARBY if close else options)
         if priced.converged:
-            return _first_that_stands(formulation, priced, watch)
+            return _first_that_stands(form, priced, watch)
     return None
 
 

@@ -68,7 +68,7 @@ class Nearest:
 
 
 def find_nearest(
-    formulation: Formulation,
+    form: Formulation,
     task: Task,
     watch: Watch,
     begun: tuple[Jump, Array] | None = None,
@@ -76,16 +76,15 @@ def find_nearest(
     """The nearest jump to a task's; None: not even a small share of it can be planned.
 
     Args:
-        formulation: of such jumps.
+        form: of such jumps.
         task: the request's.
         watch: reports and cancels.
-        begun: a jump that does no more, and all plain variables of its solution, or of where that
+        begun: a jump that does no more, and all variables of its solution, or of where that
             was given up, to start from.
 
     Raises:
         Cancelled: it is not wanted any more.
     """
-    form = formulation
     for start, options, priced_task in starts(form, task, begun):
         priced = form.solve(priced_task, start, watch, options)
         if priced.converged:
