@@ -22,7 +22,7 @@ from llsrbm.planning.answer.nearby import from_nearby
 from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE, excess
-from llsrbm.planning.solve import kept, solver_cache
+from llsrbm.planning.solve import formulation, kept, solver_cache
 from llsrbm.planning.solve.formulation import Attempt, Formulation
 from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.solve.watch import PlanningProgress, Watch
@@ -124,7 +124,7 @@ def attempt_of(converged, torque, jump=None):
     """One that needs `torque` Nm too much."""
     found = {"joint_torque": Violation(torque, "Nm", "flight", 0.5)}
     solution = Solution(np.zeros(1), np.zeros(1), converged, 7, 0.0, 1.0, 0.0, "")
-    return Attempt(SimpleNamespace(jump=jump, correction=None), solution, None, found)
+    return Attempt(SimpleNamespace(jump=jump, correction=None, penalty=0.0), solution, None, found)
 
 
 DIVERGED, WORSE, LITTLE = (False, 400.0), (True, 2.0), (True, 0.3)
@@ -145,7 +145,7 @@ def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
     judged = iter([first, attempt_of(*later[0])])
     monkeypatch.setattr(Formulation, "problem", lambda *_: None)
     monkeypatch.setattr(Formulation, "judged", lambda *_: next(judged))
-    monkeypatch.setattr(Formulation, "mended", frozenset())
+    monkeypatch.setattr(formulation, "mended", lambda _: frozenset())
     monkeypatch.setattr(Watch, "over", lambda *_: None)
     kept = form.follow(None, None, Watch())
     assert kept.violations == first.violations

@@ -14,7 +14,7 @@ from llsrbm.planning.problem.constraints.drives import (
     TORQUE_ALLOWANCE,
 )
 from llsrbm.planning.problem.violations import TOLERANCE
-from llsrbm.planning.solve.formulation import Formulation
+from llsrbm.planning.solve import formulation
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
@@ -173,7 +173,7 @@ def test_where_the_whole_body_alone_objects_the_rows_of_the_drives_follow_it(mon
     assert (np.abs(loads.joint_velocity) <= top * robot.speed_limit + TOLERANCE).all()
     # Joints are fastest at lift-off and touchdown.
     assert (np.abs(plan.joint_velocity) <= 1.01 * robot.speed_limit + TOLERANCE).all()
-    monkeypatch.setattr(Formulation, "shifts", 0)
+    monkeypatch.setattr(formulation, "MAX_SHIFTS", 0)
     with pytest.raises(NotConverged) as caught:
         planner.plan(jump, patient=False)
     broken = {name for name, v in caught.value.plan.violations.items() if v.amount > TOLERANCE}
