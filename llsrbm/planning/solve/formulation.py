@@ -21,7 +21,7 @@ from llsrbm.ocp.solvers import FROM_GUESS, SolveOptions, Solver
 from llsrbm.planning.problem.constraints import AGREED, CONSTRAINTS
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance
 from llsrbm.planning.problem.constraints.edge import Edge
-from llsrbm.planning.problem.constraints.shortfall import Shortfall, most
+from llsrbm.planning.problem.constraints.shortfall import ROOM, Shortfall, most
 from llsrbm.planning.problem.constraints.truth import Rolling, TrueTurn, correction
 from llsrbm.planning.problem.jump_horizon import (
     evaluated_rows,
@@ -309,10 +309,11 @@ class Formulation:
     def whole(self, task: Task, solution: Iterate) -> Iterate:
         """A solution as one of the jump that it does, of which nothing is given up.
 
-        The rows of what is given up are worth nothing then.
+        What is given up changes nothing then: it is in the middle of its bounds, where solves leave
+        it, and its rows are worth nothing. From a bound an uncompiled Fatrop may never come back.
         """
         variables, multipliers = solution.variables.copy(), solution.multipliers.copy()
-        variables[self._shortfall] = 0.0
+        variables[self._shortfall] = ROOM / 2
         places, _ = row_places(self.layout, task)
         for rows in (SHORTFALL, _SHORTFALL):
             multipliers[places[rows]] = 0.0
