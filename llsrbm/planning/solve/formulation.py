@@ -50,8 +50,8 @@ FROM_CLOSE = replace(FROM_GUESS, mu=1e-3, push=0.01, iterations=60)
 # Constraints that solving again with what the whole body does may satisfy.
 CORRECTED = frozenset({TrueTurn.name, Rolling.name})
 _SHORTFALL = next(c for c in CONSTRAINTS if isinstance(c, Shortfall))
-# And those that it may satisfy without: what shifted bounds of the rows keep. Of a nearer jump
-# another edge may bound the feet.
+# Constraints that `reconciled` may satisfy by solving again with the results of the check. Of a
+# nearer jump another edge may bound the feet.
 MENDED = frozenset(c.name for c in AGREED) | CORRECTED
 MENDED_NEARER = MENDED | {Edge.name, BodyClearance.name}
 # Such solves; each takes the error down by some nine tenths.
