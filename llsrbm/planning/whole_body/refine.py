@@ -74,7 +74,7 @@ class Refiner:
         if nearby is not None:
             rounds.follow(self._beside(nearby, plan), nearby)
         if not rounds.solved:
-            rounds.solve(start_of(plan, self.robot, self.grid))
+            rounds.solve(start_of(plan, self.robot, self.grid).of_draft())
         if not rounds.solved:
             _log.info("the whole-body problem did not converge: %s", rounds.solutions[-1].message)
         return self._ended(rounds, plan, called)
