@@ -60,7 +60,7 @@ def lowest_once_landed(plan):
 
 
 def test_once_it_has_landed_the_trunk_keeps_from_the_ground(monkeypatch):
-    jump = llsrbm.Jump(robot="go2", twist=1.66, forward=-0.1, lateral=-0.24, height=-0.1)
+    jump = llsrbm.Jump(robot="go2", twist=3.01, forward=-0.07, lateral=-0.24, height=0.07)
     keeps = llsrbm.plan(jump)
     assert keeps.certified
     monkeypatch.setattr(start_module, "SINKS", 0.0)
