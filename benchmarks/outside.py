@@ -2,7 +2,7 @@
 
     python -m benchmarks.outside --robots anymal,go2 --requests 60 --seed 8800
 
-Requests are those of `benchmarks.range`. Of each plan two exports at 1 kHz are read: MuJoCo's
+Requests are those of `benchmarks.range`. Two exports of each plan at 1 kHz are read: MuJoCo's
 folder (states, and where boxes are) and the table (contact forces and points). Pinocchio reads the
 plain URDF, coal takes its collision geometry as convex hulls. Nothing of `llsrbm.certificate` is
 used: accelerations are differences of the exported velocities over 2 ms, and next to a plan's
@@ -80,7 +80,7 @@ def outside(name: str) -> Outside:
 
 @dataclass(frozen=True)
 class Motion:
-    """What the exports of a plan have: K instants."""
+    """The exports of a plan: K instants."""
 
     q: np.ndarray
     v: np.ndarray
@@ -194,7 +194,7 @@ def _carriers(model: Any, points: tuple[Any, ...], q: tuple[float, ...]) -> list
 
 
 def _distances(motion: Motion, robot: Outside) -> Iterator[tuple[str, float, bool]]:
-    """Of links from each other, and of all but standing feet from the ground and boxes."""
+    """Least distances between links, and from all but standing feet to the ground and boxes."""
     model, shapes = robot.model, robot.shapes
     data, placed = model.createData(), shapes.createData()
     objects = shapes.geometryObjects
