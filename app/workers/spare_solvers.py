@@ -17,16 +17,12 @@ from llsrbm.request.jump import Jump
 
 
 def build(jump: Jump) -> None:
-    """Begin to build those of a jump's robot, model and type, in a process of its own."""
+    """Begin to build those of a jump's robot, model and type, in a process of its own.
+
+    That one looks whether they are built, too, which can take longer than a plan.
+    """
     command = [sys.executable, "-m", __name__, json.dumps(jump.as_dict())]
     subprocess.Popen(command, stdin=asker(), start_new_session=True)
-
-
-def are_built(jump: Jump) -> bool:
-    """Whether they were before, as far as the first of them tells."""
-    from llsrbm.planning.answer.planner import is_planner_built
-
-    return is_planner_built(jump, _free_apex())
 
 
 def _free_apex() -> dict[str, float]:
@@ -37,14 +33,16 @@ def _free_apex() -> dict[str, float]:
 
 
 def main(text: str) -> None:
-    """Build them; `text`: the jump as JSON."""
-    from llsrbm.planning.answer.planner import planner_of
+    """Build them, unless the first of them is there; `text`: the jump as JSON."""
+    from llsrbm.planning.answer.planner import is_planner_built, planner_of
     from llsrbm.request.scenario import Scenario
     from llsrbm.simulation.replanning import Replanning
 
     end_with(sys.stdin.fileno())
     yield_to_others()
     jump = Jump(**json.loads(text))
+    if is_planner_built(jump, _free_apex()):
+        return
     planner = planner_of(jump)
     planner_of(jump, limits=_free_apex())
     plan = planner.plan(jump)

@@ -167,8 +167,7 @@ class LibraryPlanner:
         if task.patient or solver in self._spare:
             return
         self._spare.add(solver)
-        if not spare_solvers.are_built(task.jump):
-            spare_solvers.build(task.jump)
+        spare_solvers.build(task.jump)
 
     def _announce(self, task: tasks.PlanJump, progress: ProgressListener) -> None:
         from llsrbm.planning.answer.planner import is_planner_built

@@ -10,6 +10,7 @@ nothing of the package.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import hashlib
 import json
@@ -72,6 +73,10 @@ def yield_to_others() -> None:
     """Take the processor's time that nobody else wants."""
     if hasattr(os, "nice"):
         os.nice(LEAST_PRIORITY)
+    # Linux shares time among sessions first, and a session's priority is its own.
+    if hasattr(os, "getsid") and os.getsid(0) == os.getpid():
+        with contextlib.suppress(OSError):
+            Path("/proc/self/autogroup").write_text(str(LEAST_PRIORITY), "ascii")
 
 
 def seal(library: Path) -> None:

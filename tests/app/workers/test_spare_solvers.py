@@ -40,7 +40,8 @@ def patient(monkeypatch):
     return first
 
 
-def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
+@pytest.mark.parametrize("there", [False, True])
+def test_a_process_of_its_own_builds_what_is_not_there(started, patient, monkeypatch, there):
     built = []
     planner = SimpleNamespace(plan=lambda jump: jump, robot=load_robot("go2"))
 
@@ -49,6 +50,10 @@ def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
         return planner
 
     monkeypatch.setattr("llsrbm.planning.answer.planner.planner_of", planner_of)
+    monkeypatch.setattr(
+        "llsrbm.planning.answer.planner.is_planner_built",
+        lambda jump, limits: there and (jump, limits) == (JUMP, spare_solvers._free_apex()),
+    )
     monkeypatch.setattr(
         "llsrbm.simulation.replanning.Replanning", lambda *numbers: built.append(numbers[0])
     )
@@ -59,13 +64,17 @@ def test_a_process_of_its_own_gets_the_jump(started, patient, monkeypatch):
     assert how == {"stdin": asker(), "start_new_session": True}
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(fileno=lambda: 0))
     spare_solvers.main(*command[3:])
-    assert built == [None, spare_solvers._free_apex(), JUMP]
+    assert built == ([] if there else [None, spare_solvers._free_apex(), JUMP])
     assert patient == [0, "yields"]
 
 
-def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
-    monkeypatch.setattr(spare_solvers, "are_built", lambda _: False)
-    asked = []
+def test_a_slider_that_moves_has_them_built_once_and_looks_for_none(started, monkeypatch):
+    """What to look for them takes is seconds, on a machine that has none."""
+    looked_for, asked = [], []
+    monkeypatch.setattr(
+        "llsrbm.planning.answer.planner.is_planner_built",
+        lambda jump, limits: looked_for.append(limits),
+    )
 
     def plan(jump, *, patient, hurried, **how):
         asked.append((patient, hurried))
@@ -78,6 +87,7 @@ def test_a_slider_that_moves_has_them_built_once(started, monkeypatch):
         planner.plan(task, lambda *_, **__: None, lambda: False)
     assert asked == [(True, True)] * 2  # nearer jumps are looked for, in a hurry
     assert len(started) == 1
+    assert looked_for == [{}]  # the plan's own, to say what it takes
 
 
 def test_it_ends_with_its_asker_without_a_word():

@@ -186,3 +186,13 @@ def test_without_a_compiler(monkeypatch):
     monkeypatch.delenv("CC")
     monkeypatch.setenv("LLSRBM_COMPILE", "0")
     assert compiler() is None
+
+
+@pytest.mark.skipif(not Path("/proc/self/autogroup").exists(), reason="no shares of sessions")
+def test_a_session_of_its_own_yields_to_all_others():
+    program = "from llsrbm.ocp.compile_job import yield_to_others as y; y(); import pathlib;"
+    program += "print(pathlib.Path('/proc/self/autogroup').read_text())"
+    own = subprocess.run(
+        [sys.executable, "-c", program], start_new_session=True, capture_output=True, text=True
+    )
+    assert own.stdout.split()[-1] == "19"
