@@ -26,10 +26,10 @@ class Crew:
         factory: PlannerFactory,  # makes the planner inside a process
         places: int,  # with more than one, the last takes nothing that lasts seconds
         lock: threading.RLock,  # the pool's
-        # called under the lock, by a process' thread: it has sent something, has gone (how), or
-        # its thread has met an exception that nothing foresees
+        # called under the lock, by a process' thread: it has sent something, has gone, or its
+        # thread has met an exception that nothing foresees
         received: Callable[[Member, Message], None],
-        ended: Callable[[Member, str], None],
+        ended: Callable[[Member, Ended], None],
         failed: Callable[[Exception], None],
     ) -> None:
         self.members = tuple(
@@ -126,8 +126,8 @@ class Crew:
                     self._received(member, message)
         except Ended as ended:
             with self._lock:
-                self._ended(member, str(ended))
+                self._ended(member, ended)
         except Exception as error:  # noqa: BLE001  # the last resort: whatever it is
             with self._lock:
                 self._failed(error)
-                self._ended(member, "of which the terminal says more")
+                self._ended(member, Ended("of which the terminal says more"))

@@ -28,6 +28,7 @@ class Entry:
     notify_at: float = 0.0  # when its tab gets to know the reason for waiting, s (monotonic clock)
     over: bool = False  # nothing more is reported: it has its outcome, or nobody waits for it
     batch: Seeds | None = None  # makes one outcome of those of the parts
+    begun_again: bool = False  # a process was killed that had it
 
     def __post_init__(self) -> None:
         self.parts = deque(self.task.parts)  # that no process has yet
@@ -45,6 +46,7 @@ class Member:
     ready: bool = False  # it has started
     ending: bool = False  # it was killed on our order
     may_start: bool = True  # False once it could not, until the next request
+    killed_starting: bool = False  # the last time; it starts once more by itself
     start_by: float = 0.0  # when it has to be ready, s
     # what is in its memory (`Task.needs`), each with a task that it has solved; the last one last
     loaded: dict[Hashable, PlanJump] = field(default_factory=dict)

@@ -24,6 +24,7 @@ from app.workers import reports, worker
 from app.workers.crew import Crew
 from app.workers.deliveries import Deliveries
 from app.workers.member import SILENCE, Entry, Member
+from app.workers.process import Ended
 from app.workers.seeds import Seeds
 from app.workers.tasks import PlanJump, PlannerFactory, Prepare, SimulateJump, SimulateSeeds, Task
 from app.workers.waiting import MOST_WAITING, Waiting
@@ -54,6 +55,7 @@ CLOSED = "The server is closing."
 BUSY = f"The server is busy: {MOST_WAITING} requests are waiting. Please try again in a moment."
 DEFECT = "A defect of the server interrupted this; please try again."
 BROKEN = "Internal error: planning has stopped; see the server log."
+AGAIN = "the computing process was killed, and another one takes its place"
 SILENT = f"It gave no sign of life for {SILENCE / 60:g} minutes and was stopped."
 LATE = "It took more than {limit:g} s and was stopped."
 
@@ -175,7 +177,7 @@ class WorkerPool:
 
     def _receive(self, member: Member, message: reports.Message) -> None:
         if isinstance(message, reports.Ready):
-            member.ready = not member.ending
+            member.ready, member.killed_starting = not member.ending, False
             self._hand_out()
             return
         if isinstance(message, reports.Heavy):
@@ -202,8 +204,8 @@ class WorkerPool:
         self._cancel_remains(entry)
         self._hand_out()
 
-    def _ended(self, member: Member, how: str) -> None:
-        """A process has gone: fail its job; a new one takes its place."""
+    def _ended(self, member: Member, how: Ended) -> None:
+        """A process has gone: another one takes its place and, if it was killed, its job."""
         was_ready, expected = member.ready, member.ending
         member.running = member.ready = member.ending = member.heavy = False
         if self._refusal:
@@ -218,8 +220,12 @@ class WorkerPool:
             message = f"The computing process ended unexpectedly ({how}) and was restarted."
             if not expected:
                 self._note(message)
-            if left is not None:
+            again = how.killed and not member.stopping
+            if left is not None and not (again and self._begin_again(left, task)):
                 self._report(left, reports.Failed(left.number, message))
+        elif how.killed and not member.killed_starting:
+            self._note("a computing process was killed as it started (%s)", how)
+            member.killed_starting = True
         else:
             # Not again before the next request, so that a lasting defect does not spin.
             message = f"The computing process does not start ({how}); the terminal says why."
@@ -229,6 +235,25 @@ class WorkerPool:
             if not any(other.running for other in self._members):
                 self._fail_all(message)
         self._hand_out()
+
+    def _begin_again(self, entry: Entry, task: Task | None) -> bool:
+        """Have a job wait once more, for the machine may have been short of memory for a moment.
+
+        Not if its tab wants something newer, nor a file, which may be what takes the memory.
+        """
+        if task is None or entry.begun_again or task.one_at_a_time or entry.tab is self:
+            return False
+        running = [m.working_on for m in self._members if m.working_on is not None]
+        others = [self._waiting.get(entry.tab), *(e for e in running if e.tab == entry.tab)]
+        if any(other not in (None, entry) for other in others):
+            return False
+        entry.begun_again = True
+        entry.parts.appendleft(task)
+        entry.notify_at = time.monotonic() + WAITING_INTERVAL
+        self._waiting.put(entry)
+        text = f"waiting: {AGAIN}"
+        self._report(entry, reports.Progress(entry.number, text, waiting=True))
+        return True
 
     def _cancel_remains(self, entry: Entry) -> None:
         running = any(member.working_on is entry for member in self._members)
@@ -242,6 +267,7 @@ class WorkerPool:
                 self._keep_deadlines_of_job(member, member.working_on, now)
             elif member.starting and now >= member.start_by:
                 self._note("a computing process was not ready in time")
+                member.killed_starting = True  # by us
                 member.process.kill()
                 member.start_by = now + member.process.start_patience
         self._notify_waiting(now)
@@ -282,9 +308,9 @@ class WorkerPool:
             # For its tab's own job if there is one, else for the one that takes longest.
             others = [activity for other, activity in busy if other.tab == entry.tab]
             others += [activity for _, activity in busy] or ["the computing process starts"]
-            self._report(
-                entry, reports.Progress(entry.number, f"waiting: {others[0]}", waiting=True)
-            )
+            others = [AGAIN] if entry.begun_again else others
+            text = f"waiting: {others[0]}"
+            self._report(entry, reports.Progress(entry.number, text, waiting=True))
 
     def _hand_out(self) -> None:
         """Give jobs to the processes that can take them, a tab's first, then the warm-up's."""

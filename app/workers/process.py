@@ -28,14 +28,19 @@ _log = logging.getLogger(__name__)
 
 
 class Ended(Exception):  # no error where it was our order
-    """A process has gone; the message is its exit status or signal."""
+    """A process has gone; the message is its exit status or signal, by which it was `killed`."""
+
+    def __init__(self, how: str, *, killed: bool = False) -> None:
+        super().__init__(how)
+        self.killed = killed
 
 
 class Process:
     """A process that computes; started again after it has ended."""
 
     id: int | None = None  # None while there is none
-    start_patience = 60.0  # s until it is ready; it imports for 1 s, on a busy machine for more
+    # s until it is ready; it imports for 1 s, on a machine with no memory to spare for minutes
+    start_patience = 300.0
 
     def __init__(self, factory: PlannerFactory, name: str) -> None:
         # A forked child would inherit the server's sockets and threads' locks.
@@ -73,8 +78,8 @@ class Process:
         except Exception:  # noqa: BLE001  # half a message, or one that is none
             _log.exception("%s sent a message that cannot be read", self._name)
         finally:
-            how = self._end(process)
-        raise Ended(how)
+            ended = self._end(process)
+        raise ended
 
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
         """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
@@ -105,8 +110,8 @@ class Process:
             with contextlib.suppress(ValueError):  # closed meanwhile
                 process.kill()
 
-    def _end(self, process: SpawnProcess) -> str:
-        """Wait until it has gone; its exit status or signal."""
+    def _end(self, process: SpawnProcess) -> Ended:
+        """Wait until it has gone, and say how."""
         process.join(EXIT_PATIENCE)
         if process.is_alive():
             process.kill()
@@ -122,4 +127,4 @@ class Process:
             self._writer.join()
         if self._connection is not None:
             self._connection.close()
-        return how
+        return Ended(how, killed=code is not None and code < 0)

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from app.workers.pool import WorkerPool
-from app.workers.reports import Cancelled, Failed, Planned, Progress, Refused, Simulated
+from app.workers.pool import AGAIN, WorkerPool
+from app.workers.reports import Cancelled, Planned, Progress, Refused, Simulated
 from app.workers.tasks import PlanJump, Prepare
 from llsrbm.request.jump import Jump
 from tests.app import planners
@@ -226,10 +226,12 @@ def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(
         killed, spared = pool.process_ids
         (tmp_path / "log").unlink()
         os.kill(killed, signal.SIGKILL)
-        assert simulating.outcome() == Failed(
-            job, "The computing process ended unexpectedly (signal 9) and was restarted."
-        )
+        while (report := simulating.progress()).text != f"waiting: {AGAIN}":
+            pass
+        assert report == Progress(job, f"waiting: {AGAIN}", waiting=True)
         assert isinstance(planning.outcome(), Planned)
+        assert (report := simulating.outcome()).job == job
+        assert isinstance(report, Simulated)
         assert pool.process_ids[1] == spared
         wanted = {(pool.process_ids[0], model) for model in MODELS}
         wait_until(lambda: wanted <= planned_by(tmp_path / "log"), "its solvers")
