@@ -20,6 +20,9 @@ from llsrbm.robots.robot import Robot
 # Places along each side of the reach at which angles are compared with the joints' stops, and what
 # is near one, a share of what lies between: soles that tilt against the base turn ankles further.
 _GRID, _NEAR_STOP = 9, 0.1
+# The most that requests, and motions that are planned anew, make of the robot file's reach: factors
+# of the box's ends, of those on the hip's other side too, and of the shortest and the longest leg.
+BOX_ENDS, SHORTEST_LEG, LONGEST_LEG = (0.4, 1.4), 0.8, 1.08
 
 
 @lru_cache(maxsize=12)
@@ -84,22 +87,30 @@ class Drives:
         return ca.mtimes(ca.DM(self.mass_matrix[leg]), accelerations) + ca.vertcat(*resistance)
 
 
+def widest_box(robot: Robot) -> tuple[Array, Array]:
+    """Corners (3,) of the widest box that a request may ask for, m, as the robot file's."""
+    box = robot.file.reach
+    lower, upper = (np.outer(BOX_ENDS, corner) for corner in (box.lower, box.upper))
+    return lower.min(axis=0), upper.max(axis=0)
+
+
 @lru_cache(maxsize=12)
 def near_stops(robot: Robot) -> BoolArray:
-    """(L, n) whether the joint may come near a stop with its foot anywhere within reach."""
+    """(L, n) whether the joint may come near a stop with its foot within the widest reach."""
     foot, x = robot.file.foot, ca.SX.sym("x", robot.foot_coordinates)
-    ends = [*zip(robot.file.reach.lower, robot.file.reach.upper, strict=True)]
+    ends = [*zip(*widest_box(robot), strict=True)]
     if robot.foot_coordinates > len(ends):
         ends.append(foot.yaw)
     grid = np.meshgrid(*(np.linspace(*end, _GRID) for end in ends))
     places = np.stack(grid).reshape(len(ends), -1)
     distance = np.linalg.norm(places[:3], axis=0)
-    low, high = robot.file.reach.distance
+    low, high = np.array(robot.file.reach.distance) * [SHORTEST_LEG, LONGEST_LEG]
     places = places[:, (distance >= low) & (distance <= high)]
     near = []
     stops = robot.joint_stops[:, robot.leg_joint_index]
     for leg, lower, upper in zip(leg_drives(robot), *stops, strict=True):
         angles = np.array(ca.Function("angles", [x], [leg.angles(x)])(places))
         room = _NEAR_STOP * (upper - lower)
-        near.append((angles.min(axis=1) < lower + room) | (angles.max(axis=1) > upper - room))
+        least, most = np.nanmin(angles, axis=1), np.nanmax(angles, axis=1)
+        near.append((least < lower + room) | (most > upper - room))
     return np.array(near)

@@ -103,11 +103,6 @@ class Role:
         """True if where feet land as the interval ends is shifted: from the next flight on."""
         return self.shifted or (self.shifts and self.is_flight)
 
-    @property
-    def moves_feet(self) -> bool:
-        """True if a foot leaves, swings or lands here: where joints are fast."""
-        return bool(self.swinging or self.lifting_off or self.landing)
-
 
 def roles_of(
     stands: tuple[tuple[bool, ...], ...],

@@ -8,11 +8,12 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY
+from llsrbm.models.drives import widest_box
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.apex import FREE_APEX
 from llsrbm.planning.problem.task import Task
 
-# Shares of the drives, and factors of the robot file's reach, see `relaxed_limits`.
+# Shares of the drives, and factors of the reach, see `relaxed_limits`.
 NEED_TORQUE, NEED_SPEED = 0.95, 1.0
 NEED_BOX, NEED_LENGTH, NEED_STANDING = 1.4, 1.03, 0.7
 
@@ -76,7 +77,7 @@ def relaxed_limits(task: Task) -> Task:
 
     A plan leaves something of the drives and of the legs' reach to feedback, and does not crouch as
     deep as it could; what catches a fall may use nearly all of it, and flies as high as it does.
-    Friction stays.
+    Friction stays, and so does the widest reach that a request may ask for.
     """
     limits, reach = task.limits, task.reach
     shares = {
@@ -84,10 +85,15 @@ def relaxed_limits(task: Task) -> Task:
         "speed_share": max(limits.speed_share, NEED_SPEED),
     }
     lower, upper = np.array(reach.lower), np.array(reach.upper)
+    least, most = widest_box(task.robot)
+    length, of_file = reach.distance[1], task.robot.file.reach.distance[1]
     wider = {
-        "lower": tuple((lower - (NEED_BOX - 1) * np.abs(lower)).tolist()),
-        "upper": tuple((upper + (NEED_BOX - 1) * np.abs(upper)).tolist()),
-        "distance": (reach.distance[0], NEED_LENGTH * reach.distance[1]),
+        "lower": tuple(np.maximum(lower - (NEED_BOX - 1) * np.abs(lower), least).tolist()),
+        "upper": tuple(np.minimum(upper + (NEED_BOX - 1) * np.abs(upper), most).tolist()),
+        "distance": (
+            reach.distance[0],
+            min(NEED_LENGTH * length, max(length, NEED_LENGTH * of_file)),
+        ),
         "standing": NEED_STANDING * reach.standing,
     }
     return replace(

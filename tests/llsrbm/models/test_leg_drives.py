@@ -69,13 +69,34 @@ def test_angles_of_knees_are_those_of_inverse_kinematics(name):
     [
         ("anymal", set()),  # its URDF's stops are turns away
         ("anymal_c", {"HAA"}),
-        ("g1", {"hip_roll_joint", "ankle_pitch_joint", "ankle_roll_joint"}),
+        ("g1", {"hip_pitch_joint", "hip_roll_joint", "ankle_pitch_joint", "ankle_roll_joint"}),
     ],
 )
 def test_joints_that_may_come_near_a_stop(name, joints):
     robot = load_robot(name)
     may_stop = robot.leg_joint_index[near_stops(robot)]
     assert {robot.joint_names[j].split("_", 1)[1] for j in may_stop} == joints
+
+
+@pytest.mark.parametrize("name", ["a1", "go2", "talos"])
+def test_joints_without_rows_keep_off_their_stops_wherever_a_request_lets_feet_come(name):
+    """A 1.25 times wider box, legs from 0.8 to 1.08 times as long: what limits may be set to."""
+    robot, rng = load_robot(name), np.random.default_rng(5)
+    reach = robot.file.reach
+    lower, upper = np.array(reach.lower), np.array(reach.upper)
+    x = rng.uniform(lower - 0.25 * np.abs(lower), upper + 0.25 * np.abs(upper), (4000, 3))
+    distance = np.linalg.norm(x, axis=1)
+    x = x[(distance > 0.8 * reach.distance[0]) & (distance < 1.08 * reach.distance[1])].T
+    if robot.foot_coordinates > 3:
+        x = np.vstack([x, rng.uniform(*robot.file.foot.yaw, x.shape[1])])
+    x = x[: robot.foot_coordinates]
+    for leg, rows, joints in zip(
+        leg_drives(robot), near_stops(robot), robot.leg_joint_index, strict=True
+    ):
+        angles = np.column_stack([number(leg.angles(ca.DM(place))) for place in x.T[:800]])
+        low, high = robot.joint_stops[:, joints]
+        room = np.minimum(angles - low[:, None], high[:, None] - angles) / (high - low)[:, None]
+        assert np.nanmin(room[~rows], initial=1.0) > 0.08
 
 
 @pytest.mark.parametrize("name", KNEES)

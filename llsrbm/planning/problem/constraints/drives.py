@@ -70,8 +70,8 @@ class JointTorque(DriveConstraint):
     limits = limits_called("torque_share", "drive_strength")
 
     def applies(self, role: Role) -> bool:
-        """Over every interval but the first of a plan from rest, where the robot stands."""
-        return not role.terminal and (not role.initial or role.under_way)
+        """Over every interval."""
+        return not role.terminal
 
     def shares(self, stage: Stage) -> Any:
         """Torques as shares of their limits."""
@@ -151,10 +151,7 @@ class TorqueAtSpeed(JointTorque):
 
 
 class JointSpeed(DriveConstraint):
-    """|q'| <= share q'_max, where joints are fast: in flight and right beside it.
-
-    The check is of all intervals: legs of standing feet are slow, and have no rows for it.
-    """
+    """|q'| <= share q'_max."""
 
     name = "joint_speed"
     unit = "rad/s"
@@ -164,8 +161,8 @@ class JointSpeed(DriveConstraint):
     limits = limits_called("speed_share", "battery")
 
     def applies(self, role: Role) -> bool:
-        """While feet swing, in the interval before that and in the one after it."""
-        return role.moves_feet and not role.terminal and not role.initial
+        """Over every interval; not as a motion that is under way begins: that is as it is."""
+        return not role.terminal and not (role.initial and role.under_way)
 
     def bounds(self, task: Task, layout: Layout, knot: int) -> Bounds:
         """Wider where knees may be overrun."""

@@ -36,7 +36,7 @@ def rows_and_loads(which):
     And pairs of speeds (n,) at lift-off and touchdown, by the rows and by Pinocchio.
 
     Rows of swinging legs are torques as intervals begin, and as the last one ends; the means of
-    both ends belong to the middles, as Pinocchio's. The first interval, at rest, has no rows.
+    both ends belong to the middles, as Pinocchio's. Torques are from the second interval on.
     """
     s = solved(*which)
     robot, loads, layout = s.task.robot, s.knots.loads, s.planner.layout

@@ -9,11 +9,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
+from llsrbm.models.drives import LONGEST_LEG, SHORTEST_LEG, widest_box
 from llsrbm.planning.answer.planner import planner_for, planner_of
 from llsrbm.planning.problem.constraints import CONSTRAINTS
 from llsrbm.planning.problem.jump_horizon import row_bounds
 from llsrbm.planning.problem.placement import limits_of, make_task
 from llsrbm.planning.problem.violations import TOLERANCE, violations
+from llsrbm.planning.replan.under_way import relaxed_limits
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -41,6 +43,23 @@ def test_every_default_is_the_robots_and_in_range(name):
     assert limits["torque_share"][1] == file.limits.torque_share
     assert limits["speed_share"][1] == file.limits.speed_share
     assert limits["reach_standing"][1] == file.reach.standing
+
+
+@every_robot
+def test_no_reach_is_wider_than_the_one_for_which_stops_have_rows(name):
+    """Neither a request's nor that of a motion planned anew after such a request."""
+    robot, reach = ROBOTS[name], ROBOTS[name].file.reach
+    ends = {n: limit.loosest for n, (limit, _) in limits_of(robot).items() if "reach_" in n}
+    least, most = widest_box(robot)
+    widest = make_task(Jump(robot=name), robot, limits=ends)
+    plain = make_task(Jump(robot=name), robot)
+    for task in (widest, relaxed_limits(widest), relaxed_limits(plain)):
+        assert (np.array(task.reach.lower) >= least - 1e-9).all()
+        assert (np.array(task.reach.upper) <= most + 1e-9).all()
+        shortest, longest = np.divide(task.reach.distance, reach.distance)
+        assert shortest >= SHORTEST_LEG - 5e-3  # limits are said with three digits
+        assert longest <= LONGEST_LEG + 5e-3
+    assert not (np.array(widest.reach.upper) <= reach.upper).all()
 
 
 def test_a_robot_has_the_limits_of_what_it_has():
