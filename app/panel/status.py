@@ -47,8 +47,9 @@ _OF_A_MOTION = (Verdict.DRAFT, Verdict.FEASIBLE, Verdict.NEAREST, Verdict.LANDED
 MEANINGS = {
     "checks": "Checks that hold, of the whole body at 1 kHz: stops, drives, friction, slip, room "
     "and dynamics. The verdict's word shows them.",
-    "Izz in flight": "The least moment of inertia about the vertical in flight, against standing: "
-    "feet that are drawn in make it smaller.",
+    "Yaw inertia Izz, flight": "Izz is the moment of inertia about the vertical through the centre "
+    "of mass; this is the least of it in flight, against standing. Feet that are drawn in make it "
+    "smaller.",
     "Flight time": "Time without any foot on the ground",
     "Planned torque": "Largest share of the torque that a drive has at its speed, in the plan",
     "Peak torque": "Largest share of a drive's torque limit, in the simulation",

@@ -96,7 +96,8 @@ class LibraryPlanner:
         if solver not in self._refined:
             progress(
                 f"building the whole-body solver of {title_of_robot(task.plan.jump.robot)}: some "
-                "seconds, the first time"
+                "seconds, the first time",
+                lasts=_BUILDING,
             )
             self._refined.add(solver)
         return CertifiedPlanner(

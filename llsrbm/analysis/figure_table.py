@@ -81,8 +81,8 @@ FIGURES = (
     Figure("final_yaw", "Yaw at the end", "yaw", **_TURN),
     Figure("peak_yaw_rate", "Peak yaw rate", "yaw rate", "rad/s", 1, 2),
     Figure("feet_radius", "Feet radius", "feet", "m", 1, 3),
-    Figure("smallest_Izz", "Least Izz in flight", "Izz", "kg m²", 1, 2),
-    Figure("Izz_change", "Izz in flight", "Izz", "%", 100, 0, signed=True),
+    Figure("smallest_Izz", "Least yaw inertia Izz", "Izz", "kg m²", 1, 2),
+    Figure("Izz_change", "Yaw inertia Izz, flight", "Izz", "%", 100, 0, signed=True),
     Figure("peak_force", "Peak foot force", "force", "N", 1, 0, smaller_is_better=True),
     Figure(
         *("peak_force_in_weights", "Peak foot force", "force", "weights", 1, 2),

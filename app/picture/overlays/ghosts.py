@@ -1,7 +1,7 @@
 """Translucent robots: the plan beside its simulation, and pinned motions.
 
-Bodies are drawn only where they differ from those of the solid robot: two surfaces in nearly the
-same place flicker through each other.
+A ghost is drawn, the whole of it, only while a part of it is away from the solid robot's: two
+surfaces in nearly the same place flicker through each other.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from app.picture.robot_nodes import RobotNodes, RobotShelf
 from llsrbm.look.shown_motion import ShownMotion
 
 _DIFFERS = 0.02  # m between a body and the same body of the solid robot
-_AROUND = 9  # frames; a body that differs is also drawn for a moment before and after
+_AROUND = 9  # frames; a ghost that differs is also drawn for a moment before and after
 
 
 class Ghosts(Overlay):
@@ -34,7 +34,7 @@ class Ghosts(Overlay):
     root = "/shade"
     group = Group.INERTIA
     title = "Ghost"
-    hint = "The plan beside its simulation, and what is pinned, where they are 2 cm apart or more."
+    hint = "The plan beside its simulation, and what is pinned, while a part of it is 2 cm away."
     place = 50
     at_first = True
     common = True
@@ -78,15 +78,15 @@ class Ghosts(Overlay):
 
 
 def _beside(picture: Picture, nodes: RobotNodes, frames: ShownMotion) -> AnimationChannel:
-    """A ghost's motion; bodies have no size where the solid robot's are in the same place."""
+    """A ghost's motion; it has no size while the solid robot is in the same place."""
     solid, tracks = picture.solid, nodes.track(frames)
     if solid is None or nodes.robot is not picture.robot:
         return AnimationChannel(frames.time, tuple(tracks))
     # The ghost rests at its end while the solid robot goes on.
     time = np.concatenate([frames.time, solid.time[solid.time > frames.end]])
     frame = np.arange(len(time)).clip(max=len(frames.time) - 1)
-    differs = apart(nodes.robot, frames, solid, time) > _DIFFERS
-    there = maximum_filter1d(differs.astype(float), _AROUND, axis=0)
+    differs = (apart(nodes.robot, frames, solid, time) > _DIFFERS).any(axis=1)
+    there = np.repeat(maximum_filter1d(differs.astype(float), _AROUND)[:, None], 3, axis=1)
     return AnimationChannel(
         time,
         tuple(
@@ -94,7 +94,7 @@ def _beside(picture: Picture, nodes: RobotNodes, frames: ShownMotion) -> Animati
                 track,
                 position=track.position[frame],
                 wxyz=None if track.wxyz is None else track.wxyz[frame],
-                scale=np.repeat(there[:, nodes.bodies[track.nodes[0]], None], 3, axis=1),
+                scale=there,
             )
             for track in tracks
         ),

@@ -74,11 +74,12 @@ def take_refined(state: TabState, event: Reported) -> Step:
     task = event.job.task
     assert isinstance(task, tasks.RefinePlan)
     match event.report:
-        case reports.Progress(text=text, iteration=iteration):
+        case reports.Progress(text=text, iteration=iteration, lasts=lasts):
             line = summaries.progress_line(text, iteration)
             if state.shown is None:
                 return state, ()
-            return replace(state, status=_status(state, state.shown, line)), ()
+            status = replace(_status(state, state.shown, line), lasts=lasts)
+            return replace(state, status=status), ()
         case reports.Planned(plan=plan) if state.whole_body:
             return _show(state.with_work(shown=state.work.newest), plan, task.plan)
         case reports.Failed(message=message):

@@ -41,7 +41,7 @@ def two():
 def test_figures_are_rows_with_units_and_designs_columns(two):
     assert texts(two["Status"]) == ["planned", "landed"]
     assert texts(two["Flight time [s]"]) == ["0.412", "0.382"]
-    assert texts(two["Least Izz in flight [kg m²]"]) == ["1.86", "1.86"]
+    assert texts(two["Least yaw inertia Izz [kg m²]"]) == ["1.86", "1.86"]
     assert texts(two["Planned torque [%]"]) == ["71", "71"]
     assert texts(two["Peak torque [%]"]) == ["–", "97"]
     assert texts(two["Yaw at contact [°]"]) == ["–", "−1.3"]

@@ -19,7 +19,12 @@ def test_topics_have_titles_and_their_names_stand_between_asterisks():
 
 
 def test_every_figure_of_the_verdict_and_every_button_has_a_line():
-    assert {"Izz in flight", "Not strict", "Compare models", "Simulate 20 seeds"} <= terms().keys()
+    assert {
+        "Yaw inertia Izz, flight",
+        "Not strict",
+        "Compare models",
+        "Simulate 20 seeds",
+    } <= terms().keys()
 
 
 def test_the_button_shows_it():

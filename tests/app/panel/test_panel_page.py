@@ -62,7 +62,7 @@ def test_the_help_starts_the_tour_and_escape_ends_it(page):
     words = page.get_by_role("dialog", name="Help")
     words.get_by_text("Models", exact=True).click()
     assert words.get_by_text("one rigid body, constant inertia").is_visible()
-    for term in ("Twist [deg]", "Izz in flight", "Compare models", "Estimator"):
+    for term in ("Twist [deg]", "Yaw inertia Izz, flight", "Compare models", "Estimator"):
         assert words.get_by_role("term").filter(has_text=term).count() == 1
     words.get_by_role("button", name="Start the tour").click()
     page.get_by_role("dialog", name="Move a slider").wait_for()

@@ -58,12 +58,12 @@ def test_a_plan_is_told_by_inertia_flight_torque_and_what_its_model_leaves_out(p
     status = plan_status(replace(plan, inertia=shaped), "from file a.npz")
     assert (status.verdict, status.rest) == ("Draft", f"from file a.npz, as {KNOTS_ONLY}")
     (inertia, flight, torque, turn) = status.figures
-    assert inertia == ("Izz in flight", "−10 %")
+    assert inertia == ("Yaw inertia Izz, flight", "−10 %")
     assert flight == ("Flight time", f"{FLY:.3f} s")
     assert re.fullmatch(r"\d+ %", torque[1])
     assert (turn[0], turn[1][-1]) == ("Model's turn error", "°")
     assert re.sub(r"<[^>]*>", "", status.html).startswith(
-        f"Draft from file a.npz, as {KNOTS_ONLY} Izz in flight "
+        f"Draft from file a.npz, as {KNOTS_ONLY} Yaw inertia Izz, flight "
     )
 
 

@@ -23,7 +23,7 @@ from tests.app.waits import wait_until
 
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
     assert session.plan.jump == example("anymal")
-    assert tab.status().startswith("Feasible 1/1 checks Izz in flight")
+    assert tab.status().startswith("Feasible 1/1 checks Yaw inertia Izz, flight")
     assert "2.0e−07 N" in tab.text()
     tab.wait(lambda: script.calls("player.play") == [[]], "its motion")
     assert script.end == pytest.approx(session.plan.duration)

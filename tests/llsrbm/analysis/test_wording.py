@@ -35,7 +35,7 @@ def test_a_plan(plan):
     assert rows["Duration"] == f"{2 * STAND + FLY:.2f} s = {phases}"
     assert rows["Turn"] == f"{math.degrees(1):+.1f}°, at most {1 / FLY:.2f} rad/s"
     Izz = f"{robot.inertia[2, 2]:.2f}"
-    assert rows["Least Izz in flight"] == f"{Izz} kg m² ({Izz} standing)"
+    assert rows["Least yaw inertia Izz"] == f"{Izz} kg m² ({Izz} standing)"
     radius = np.linalg.norm((robot.feet - robot.com)[:, :2], axis=1).mean()
     assert float(rows["Feet radius"].removesuffix(" m")) == pytest.approx(radius, rel=0.02)
     assert rows["Peak power"].endswith(" J back")

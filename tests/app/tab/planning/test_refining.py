@@ -36,7 +36,10 @@ def test_the_plan_that_is_shown_is_refined_and_comes_back():
     assert tab.state.planning
     assert tab.state.status.busy
     assert tab.told == (Verdict.DRAFT, "(the whole body's plan follows) ...")
+    tab.report(Progress(0, "building the solver", lasts=10.0))
+    assert tab.state.status.lasts == 10.0  # a bar says how long
     tab.report(Progress(0, "refining", iteration=3, residual=1e-3))
+    assert tab.state.status.lasts is None
     assert tab.told == (Verdict.DRAFT, "(refining, step 3) ...")
     assert tab.state.status.figures[1] == ("Flight time", "0.500 s")
     finish(tab)
