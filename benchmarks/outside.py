@@ -66,7 +66,9 @@ def outside(name: str) -> Outside:
     for joint, angle in held.items():
         posture[whole.joints[whole.getJointId(joint)].idx_q] = angle
     fixed = [i for i, n in enumerate(whole.names) if i > 1 and n not in robot.joint_names]
-    model, shapes = pin.buildReducedModel(whole, shapes, fixed, posture)
+    model = whole
+    if fixed:
+        model, shapes = pin.buildReducedModel(whole, shapes, fixed, posture)
     for shape in shapes.geometryObjects:
         if isinstance(shape.geometry, coal.BVHModelBase):
             shape.geometry.buildConvexRepresentation(False)
