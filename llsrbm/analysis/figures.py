@@ -51,7 +51,7 @@ class DesignFigures:
     model_turn_in_flight: float | None = None
     yaw_error_at_lift_off: float | None = None  # of the base against the plan, simulated, rad
     yaw_error_in_flight: float | None = None
-    # The least Izz in flight beyond that at the start, as a share of it.
+    # The mean Izz in flight beyond that at the start, as a share of it.
     Izz_change: float | None = None
 
     @property
@@ -135,8 +135,9 @@ def _moving(
             (motion.foot_position[until] - com[:, None])[flight][..., :2], axis=-1
         )
         feet_radius = float(radius.mean(axis=1).min())
-        smallest_Izz = float(motion.inertia[until][flight, 2, 2].min())
-        change = smallest_Izz / float(motion.inertia[0, 2, 2]) - 1
+        in_flight = motion.inertia[until][flight, 2, 2]
+        smallest_Izz = float(in_flight.min())
+        change = float(in_flight.mean() / motion.inertia[0, 2, 2]) - 1
     peak = None if force is None else float(np.linalg.norm(force, axis=-1).max())
     weighed = peak is not None and isinstance(mass, float | int)
     return {

@@ -51,6 +51,8 @@ def test_a_plans_figures(plan):
         if phase == FLIGHT
     ]
     assert figures.smallest_Izz == pytest.approx(2.2 + min(lever))
+    standing = plan.inertia[0, 2, 2]
+    assert figures.Izz_change == pytest.approx((2.2 + np.mean(lever)) / standing - 1)
     assert figures.peak_force == max(math.hypot(*f) for f in plan.contact_force.reshape(-1, 3))
     assert figures.peak_force_in_weights == pytest.approx(figures.peak_force / 30 / 9.81)
     shares = np.abs(plan.joint_torque[:-1]) / plan.joint_torque_limit[:-1]
