@@ -48,8 +48,8 @@ MEANINGS = {
     "checks": "Checks that hold, of the whole body at 1 kHz: stops, drives, friction, slip, room "
     "and dynamics. The verdict's word shows them.",
     "Yaw inertia Izz, flight": "Izz is the moment of inertia about the vertical through the centre "
-    "of mass; this is its mean in flight, against standing. Feet that are drawn in make it smaller, "
-    "and the robot turns faster.",
+    "of mass; this is its mean in flight, against standing. Feet that are drawn in make it "
+    "smaller, and the robot turns faster.",
     "Flight time": "Time without any foot on the ground",
     "Planned torque": "Largest share of the torque that a drive has at its speed, in the plan",
     "Peak torque": "Largest share of a drive's torque limit, in the simulation",

@@ -138,8 +138,8 @@ def test_with_the_real_planner(browser, tmp_path):
         text = status(page, "Feasible", timeout=180_000)  # builds two solvers where none is kept
         session = designer.sessions[-1]
         assert re.match(
-            r"Feasible 13/13 checks\s+Yaw inertia Izz, flight\s+[+−]?\d+ %\s+Flight time\s+0\.\d+ s\s+"
-            r"Planned torque\s+\d+ %\s+Model's turn error\s+[+−]?\d\.\d°",
+            r"Feasible 13/13 checks\s+Yaw inertia Izz, flight\s+[+−]?\d+ %\s+"
+            r"Flight time\s+0\.\d+ s\s+Planned torque\s+\d+ %\s+Model's turn error\s+[+−]?\d\.\d°",
             text,
         )
         fill(page, "Twist [deg]", 45)
