@@ -23,11 +23,11 @@ Array = NDArray[np.float64]
 LOWER_FEET = 0.003
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
 # m from which feet come down, braked by so many m/s2: they are still as they meet the ground, and
-# those that come flat meet it early, which takes from a twist. Eight of Go2's jumps of 80 to 150
-# degrees turned 9.4 degrees too little at the median when feet could come from 3 cm over a fifth of
-# their swing, 4.3 degrees with these. Eleven with 3 cm and 60 m/s2: 5.7 (7.8 before); four with
-# 6 cm and 200 m/s2: 3.2 (4.3 with these), for nearly three times the iterations.
-HIGH, BRAKING = 0.04, 120.0
+# those that come flat meet it early, which takes from a twist. Eleven of Go2's jumps of 65 to 160
+# degrees turned 7.8 degrees too little at the median when feet could come from 3 cm over a fifth of
+# their swing, 5.7 with these. With 4 cm and 120 m/s2 eight of them turned 4.3 degrees too little in
+# place of 9.4, but from tables of jumps that come flat such plans are not found.
+HIGH, BRAKING = 0.03, 60.0
 SHANKS = 0.75  # of the distance that feet keep
 RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
 
