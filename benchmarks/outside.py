@@ -40,6 +40,7 @@ BESIDE = 1.2e-3  # s from a knot
 WHOLE = 0.7  # of the largest speed, up to which a drive has its whole torque
 ROUNDING = 1e-4  # m
 SLIGHT, MISSING = 5e-3, 0.1  # of the weight
+ARM = 0.2  # m at which a missing moment counts as a force
 DEEP = 2.0  # m that a box in the ground's place has
 
 
@@ -149,7 +150,8 @@ def findings(motion: Motion, robot: Outside) -> Iterator[tuple[str, float, bool]
     effort = np.array(
         [_effort(model, data, motion, k, robot) for k in np.flatnonzero(motion.inner)]
     )
-    base = np.linalg.norm(effort[:, :3], axis=1).max() / weight
+    force, moment = (np.linalg.norm(part, axis=1).max() for part in np.split(effort[:, :6], 2, 1))
+    base = max(force, moment / ARM) / weight
     yield "dynamics", base, base <= MISSING
     torque, fast = np.abs(effort[:, 6:]) / drives["torque_limit"], share[motion.inner]
     yield "torque", torque.max(), torque.max() <= SHARE
@@ -200,9 +202,9 @@ def _distances(motion: Motion, robot: Outside) -> Iterator[tuple[str, float, boo
     model, shapes = robot.model, robot.shapes
     data, placed = model.createData(), shapes.createData()
     objects = shapes.geometryObjects
-    feet = {_carrier(robot, c, motion): [] for c in range(motion.points.shape[1])}
+    feet: dict[int, list[int]] = {}
     for c in range(motion.points.shape[1]):
-        feet[_carrier(robot, c, motion)].append(c)
+        feet.setdefault(_carrier(robot, c, motion), []).append(c)
 
     def apart(i: int, j: int) -> float:
         return _apart(objects[i].geometry, placed.oMg[i], objects[j].geometry, placed.oMg[j])

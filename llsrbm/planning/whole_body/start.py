@@ -33,8 +33,9 @@ NEAR = 1.0
 # 24 and 24 strict), ANYmal's at most 610, 431, 479 and 723 (9, 11, 11 and 11 found, 16, 20, 21 and
 # 20 strict).
 NEAR_DRAFT = 3.0
-# Models that say what legs do keep their own motion, as near to it as the body can: feet in flight
-# within 1 to 3 cm, where 0.1 and the usual costs move them by 10 to 25.
+# Models for comparison keep their own motion, as near to it as the body can. At the same shares of
+# their flights, feet and base are 2.3 to 3.0 cm and at most 0.9 cm from the drafts' (ANYmal, four
+# jumps of both), Go2's 3.2 to 4.0 and 1.9 to 3.1 (three jumps): drafts' feet come down flat.
 OWN = {
     "near": 30.0,
     **dict.fromkeys(("level", "turning", "joint_speed", "posture", "time"), 0.0),
