@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import threading
 from enum import Enum
 from types import SimpleNamespace
 
@@ -48,9 +49,13 @@ def test_callbacks_only_put(session, monkeypatch):
     wait_until(lambda: session.state.page, "the page's greeting")
     session.close()  # nobody takes what is put
     assert session.join(5)
-    put, sent = [], []
-    monkeypatch.setattr(session._inbox, "_queue", SimpleNamespace(put=put.append))
-    monkeypatch.setattr(session._client._websock_connection, "queue_message", sent.append)
+    put, sent, here = [], [], threading.get_ident()
+
+    def collect(found):  # what the page's own events lead to comes from the server's thread
+        return lambda each: found.append(each) if threading.get_ident() == here else None
+
+    monkeypatch.setattr(session._inbox, "_queue", SimpleNamespace(put=collect(put)))
+    monkeypatch.setattr(session._client._websock_connection, "queue_message", collect(sent))
     found = callbacks(session)
     assert len(found) > 80
     before = snapshot(session)
