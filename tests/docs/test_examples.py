@@ -14,7 +14,10 @@ from llsrbm.robots.schema import RobotFile, robot_files
 from tests.docs.pages import PAGES, ROOT, blocks, command_lines, name_of
 from tests.llsrbm.sweep.specs import parse_spec
 
-WITH_PYTHON = [page for page in PAGES if any(b.language == "python" for b in blocks(page))]
+PYTHON = {page: {b.text for b in blocks(page) if b.language == "python"} for page in PAGES}
+# The README's example is the first jump's.
+WITH_PYTHON = [page for page, own in PYTHON.items() if not any(own < PYTHON[p] for p in PAGES)]
+WITH_PYTHON = [page for page in WITH_PYTHON if PYTHON[page]]
 WITH_SHELL = [page for page in PAGES if any(b.note == "run" for b in blocks(page))]
 
 

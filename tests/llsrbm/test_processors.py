@@ -43,12 +43,8 @@ for name in ("nice", "sched_getaffinity", "sched_setscheduler", "getloadavg", "k
         delattr(os, name)
 """
 USED = {
-    "llsrbm.api": "",
     "llsrbm.cli": "llsrbm.cli.main(['formats'])",
-    "llsrbm.formats": "",
     "app.serve": "",
-    "llsrbm.sweep.folder": "",
-    "app.workers.worker": "app.workers.worker._memory()",
     "app.workers.file_reading": "with app.workers.file_reading.growing_by(1): pass",
     "llsrbm.wire.real_time": "llsrbm.wire.real_time.go_first()",
 }

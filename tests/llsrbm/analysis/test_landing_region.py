@@ -39,8 +39,8 @@ def area(points):
     return 0.5 * float(np.dot(x, np.roll(y, -1)) - np.dot(y, np.roll(x, -1)))
 
 
-@pytest.mark.parametrize(("yaw", "tilt"), [(0.0, 0.0), (1.0, 0.0), (-2.0, 0.15), (0.3, -0.2)])
-@pytest.mark.parametrize("left", [0.01, 0.1, 0.5])
+@pytest.mark.parametrize(("yaw", "tilt"), [(1.0, 0.0), (-2.0, 0.15)])
+@pytest.mark.parametrize("left", [0.01, 0.5])
 def test_every_corner_is_reached_by_the_leg_in_time(yaw, tilt, left):
     expected = touchdown(yaw, tilt)
     turn = Rotation.from_quat(expected.base_quat, scalar_first=True)

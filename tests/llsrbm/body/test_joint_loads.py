@@ -16,7 +16,7 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned as shipped
 from tests.llsrbm.planning.solved import solved
 
-ROBOTS = ("anymal", "go2", "slider")
+ROBOTS = ("anymal", "slider")
 WEIGHT = np.array([0.0, 0.0, 9.81])
 
 

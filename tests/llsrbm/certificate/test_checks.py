@@ -137,10 +137,9 @@ def test_friction(standing, share, names):
 
 
 @pytest.mark.parametrize(("share", "names"), [(0.009, set()), (0.011, {"contact_force"})])
-@pytest.mark.parametrize("sign", [1, -1])
-def test_contact_force(falling, share, names, sign):
-    # A foot in the air is pushed, or pulled.
-    falling.forces[4, 2, 0, 2] = sign * share * ROBOT.mass * 9.81
+def test_contact_force(falling, share, names):
+    # A foot in the air is pulled.
+    falling.forces[4, 2, 0, 2] = -share * ROBOT.mass * 9.81
     assert broken(falling) == names
 
 

@@ -68,14 +68,6 @@ def test_a_design_is_simulated_in_its_scenario(planner, simulator, file, capsys)
     assert simulator.requests[0][1] == DESIGN.scenario
 
 
-def test_options_override_a_designs_scenario(planner, simulator, file, capsys):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
-    words = "--board 0 --whole-board --noise 2 --detector norm --qp-solver quadprog"
-    assert cli.main(["simulate", *words.split(), "--design", file]) == 0
-    assert simulator.requests[0][1] == Scenario(seed=7, noise=2, detector="norm")
-
-
 @pytest.mark.parametrize(
     ("flag", "drives"), [("--ideal-drives", "ideal"), ("--true-drives", "true")]
 )

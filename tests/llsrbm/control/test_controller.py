@@ -80,7 +80,7 @@ def test_feet_put_down_gently_stand_within_40_ms(controller):
     assert 0.010 < settled <= 0.040
 
 
-@pytest.mark.parametrize("off", [-0.2, -0.02, 0.03, 0.2])
+@pytest.mark.parametrize("off", [-0.2, 0.03])
 def test_feet_in_flight_are_at_their_planned_height_whatever_the_robots(controller, off):
     """Up to 5 cm; beyond, the ground is not where it was planned."""
     controller, start = controller

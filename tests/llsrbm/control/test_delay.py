@@ -14,7 +14,7 @@ from llsrbm.robots import load_robot
 
 ROBOT = load_robot("go2")
 TICK = 0.0025
-KNOWN = (0.0, 0.001, 0.002, 0.0025, 0.0045, 0.0075)  # s: parts of a tick, whole ones, both
+KNOWN = (0.001, 0.0025, 0.0045)  # s: parts of a tick, whole ones, both
 
 
 def command(rng):
@@ -62,7 +62,7 @@ def test_nothing_is_foreseen_without_a_delay():
     assert (met.time, met.q.tolist(), met.v.tolist()) == (0.3, here.q.tolist(), here.v.tolist())
 
 
-@pytest.mark.parametrize("delay", [0, 1, 3])
+@pytest.mark.parametrize("delay", [0, 3])
 @pytest.mark.parametrize("known", KNOWN)
 def test_the_state_is_foreseen_under_the_commands_under_way(delay, known):
     """A thousand steps a tick, each with the acceleration of the command that acts in it."""

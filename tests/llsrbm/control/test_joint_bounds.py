@@ -23,7 +23,7 @@ def beyond(name, positions):
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize(
     ("name", "joint"),
-    [("go2", joint) for joint in range(3)] + [(n, j) for n in ("slider", "g1") for j in range(6)],
+    [("go2", 0), ("go2", 2), ("slider", 2), ("g1", 4)],  # a hip, a knee, a slide, an ankle
 )
 def test_a_task_beyond_a_stop_ends_before_it(name, joint, side):
     lower, upper = stops(name)
@@ -44,7 +44,7 @@ def test_a_task_too_fast_for_the_drives_is_followed_at_their_speed(name):
     assert (np.abs(speeds) / robot.speed_limit).max() < 1.01 * SPEED
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_bounds_never_exclude_each_other(seed):
     robot = load_robot("slider")
     body, bounds = WholeBody(robot), JointBounds(robot)

@@ -79,7 +79,7 @@ def with_slacks(p):
     return slack
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_soft_bounds_and_rows_are_slacks_and_never_make_a_program_infeasible(seed):
     p = program(seed)
     inside = p.solve()
@@ -119,7 +119,7 @@ def test_numbers_that_are_not_finite_never_raise_and_are_never_solved(part, valu
 
 
 def test_the_same_program_has_the_same_solution_to_the_last_bit_wherever_it_lies():
-    for seed in range(9):  # without and with limits that are active
+    for seed in range(3):  # without and with limits that are active
         p = robot_like(seed, limit=4e4 if seed % 3 else 400.0)
         first, *others = (displaced(p, 8 * padding).solve() for padding in range(4))
         for x in others:

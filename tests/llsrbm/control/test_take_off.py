@@ -18,7 +18,6 @@ TICK = 1 / 400
 LEFT = 0.3  # s until lift-off
 ERRORS = (
     {"com_velocity": [0.03, 0.0, 0.0]},
-    {"com_velocity": [0.0, -0.02, 0.0]},
     {"com": [0.01, 0.004, 0.0]},
     {"angular_momentum": [0.0, 0.3, 0.0]},
 )

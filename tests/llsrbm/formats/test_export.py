@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from llsrbm.errors import InputError
 from llsrbm.formats import export
 from tests.llsrbm.synthetic import FLIGHT, JOINT_NAMES, synthetic_plan
 
@@ -97,21 +96,6 @@ def test_torques_hold_over_an_interval(plan, table):
     at = np.searchsorted(plan.time, time[between], side="right") - 1
     got = table[f"joint_torque/{JOINT_NAMES[5]} [Nm]"][between]
     np.testing.assert_allclose(got, plan.joint_torque[at, 5], rtol=1e-9, atol=1e-9)
-
-
-def test_a_plan_whose_torques_are_not_known(plan, tmp_path):
-    unknown = replace(plan, joint_velocity=None, joint_torque=None, joint_torque_limit=None)
-    export(unknown, tmp_path / "x.csv", format="csv")
-    assert "joint_torque" not in (tmp_path / "x.csv").read_text().splitlines()[0]
-
-
-def test_frame_rate(plan, tmp_path):
-    export(plan, tmp_path / "slow.csv", format="csv", fps=10)
-    rows = (tmp_path / "slow.csv").read_text().splitlines()[1:]
-    assert len(rows) == 16  # 1.5 s at 10 fps, both ends; phases change at multiples of 0.1 s
-    with pytest.raises(InputError, match="0 < fps"):
-        export(plan, tmp_path / "x.csv", format="csv", fps=0)
-    assert not (tmp_path / "x.csv").exists()
 
 
 def test_robots_that_the_file_does_not_describe(plan, tmp_path):

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import llsrbm
 from llsrbm.certificate import certify
 from llsrbm.cli import main
-from llsrbm.formats import export, remarks_of
+from llsrbm.formats import export
 from llsrbm.installed import assets_directory
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.robots import load_robot
@@ -141,11 +141,6 @@ def test_w_last_where_w_comes_first(tmp_path):
     assert (
         "is w last in its quaternions?" in llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks[0]
     )
-
-
-def test_our_own_motions_have_no_remark():
-    for path in (assets_directory() / "plans").glob("*.npz"):
-        assert remarks_of(llsrbm.load(path)) == ()
 
 
 def test_commands_print_them(clip, tmp_path, capfd):

@@ -73,11 +73,6 @@ def plan(format_, solo12):
     return made_by_hand(solo12 if format_.name in OF_OTHERS else "go2")
 
 
-@pytest.fixture(params=["plan", "rollout"])
-def trajectory(plan, request):
-    return plan if request.param == "plan" else simulated(plan)
-
-
 @pytest.fixture(params=FORMATS)
 def format_(request):
     found = find(request.param)
@@ -100,7 +95,8 @@ def test_its_description(format_):
     assert set(format_.options) <= set(Options.__dataclass_fields__)
 
 
-def test_it_writes_what_it_holds_and_nothing_else(format_, trajectory, tmp_path):
+def test_it_writes_what_it_holds_and_nothing_else(format_, plan, tmp_path):
+    trajectory = simulated(plan)
     path = tmp_path / f"x{format_.suffix}"
     export(trajectory, path, format=format_.name, **quick(format_))
     assert path.is_dir() if format_.suffix == "" else path.is_file()

@@ -6,7 +6,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
@@ -20,11 +19,7 @@ STEP = 1e-6  # s
 @pytest.fixture(scope="module", params=NAMES)
 def planned(request):
     """Plan, robot, and instants that are no knots."""
-    plan = (
-        made("go2")
-        if request.param == "go2"
-        else llsrbm.plan(llsrbm.Jump("slider", twist=0.8), draft=True)
-    )
+    plan = made(request.param)
     times = np.sort(np.random.default_rng(3).uniform(0, plan.duration, 80))
     return plan, load_robot(request.param), times
 

@@ -36,7 +36,7 @@ def assert_damped(stage, ended, fault, state, words):
     assert 0 <= stage.damped_after(fault) <= SOON
 
 
-@pytest.mark.parametrize("fault", [STANDING, ON_THE_GROUND, IN_THE_AIR])
+@pytest.mark.parametrize("fault", [STANDING, IN_THE_AIR])
 def test_a_lost_topic(fault):
     stage = Stage()
     stage.wire.silent_from = fault
@@ -54,9 +54,9 @@ def test_a_robot_that_is_never_heard():
     assert all(is_brake(command) for _, command in stage.wire.sent)
 
 
-@pytest.mark.parametrize("fault", [RAMPING, IN_THE_AIR])
-def test_another_program_that_commands_the_robot(fault):
+def test_another_program_that_commands_the_robot():
     """Two writers fight for the motors: this one stops at once and sends no brakes either."""
+    fault = IN_THE_AIR
     stage = Stage()
     stage.wire.others = lambda: 3 * (stage.simulated.time >= fault)
     ended = stage.run()
@@ -66,10 +66,9 @@ def test_another_program_that_commands_the_robot(fault):
     assert all(time < ended.time for time, _ in stage.wire.sent)
 
 
-@pytest.mark.parametrize("late_by", [0.012, 0.018])
-def test_readings_that_come_late(late_by):
+def test_readings_that_come_late():
     stage = Stage()
-    stage.wire.late_from, stage.wire.late_by = IN_THE_AIR, late_by
+    stage.wire.late_from, stage.wire.late_by = IN_THE_AIR, 0.012
     words = r"late: readings come 1\d ms late, at most 10 are allowed"
     assert_damped(stage, stage.run(), IN_THE_AIR, "jump", words)
 
@@ -81,18 +80,17 @@ def test_messages_late_by_20_ms():
     assert_damped(stage, stage.run(), ON_THE_GROUND, "jump", words)
 
 
-@pytest.mark.parametrize("tier", ["table", "closed-loop"])
-def test_messages_that_were_late_from_the_start_show_in_the_drives(tier):
+def test_messages_that_were_late_from_the_start_show_in_the_drives():
     """Two clocks cannot tell how late: but torques come back late. Both ways take 20 ms."""
     always = Conditions(faults=Faults(late=1.0, late_by=0.02))
-    stage = Stage(tier, conditions=always)
+    stage = Stage(conditions=always)
     ended = stage.run()
     words = r"late: the drives follow commands after 4\d ms, at most 10 are allowed"
     assert_damped(stage, ended, ended.time, "ramp", words)
 
 
 def test_the_delay_that_is_found_is_the_wire_s():
-    for delay in (0.0, 0.004, 0.008):
+    for delay in (0.0, 0.008):
         stage = Stage(conditions=Conditions(delay=delay, delay_spread=0.0))
         stage.at = [(0.59, lambda stage=stage: stage.player.stop("enough"))]
         stage.run()
@@ -145,8 +143,9 @@ def test_a_posture_that_is_not_reached():
     assert re.search(r"(posture|drive): ", ended.line)
 
 
-@pytest.mark.parametrize("joint", ["FL_calf_joint", "RR_thigh_joint", "RL_hip_joint"])
-@pytest.mark.parametrize("tier", ["table", "closed-loop"])
+@pytest.mark.parametrize(
+    ("tier", "joint"), [("table", "FL_calf_joint"), ("closed-loop", "RL_hip_joint")]
+)
 def test_a_drive_that_gives_nothing(tier, joint):
     stage = Stage(tier)
     limited = stage.simulated.world.drives.limited
@@ -223,7 +222,7 @@ def test_a_player_that_fails_damps_before_it_says_so(monkeypatch):
     assert stage.damped_after(stage.jump + 0.2) <= SOON
 
 
-@pytest.mark.parametrize("moment", [0.05, RAMPING, STANDING, ON_THE_GROUND, IN_THE_AIR, LANDED])
+@pytest.mark.parametrize("moment", [0.05, RAMPING, IN_THE_AIR, LANDED])
 def test_ctrl_c_damps(moment):
     stage = Stage()
     stage.at = [(moment, lambda: stage.player.stop("Ctrl-C"))]

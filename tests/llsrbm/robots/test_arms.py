@@ -40,7 +40,7 @@ def _hands(robot, angles):
 
 @pytest.mark.parametrize("name", ["g1", "talos"])
 @given(share=st.lists(st.floats(0.0, 1.0), min_size=4, max_size=4))
-@settings(max_examples=30)
+@settings(max_examples=10)
 def test_mirrored_angles_bring_hands_to_mirrored_places(name, share):
     robot = load_robot(name)
     low, high = robot.arm_ends[:, :4]

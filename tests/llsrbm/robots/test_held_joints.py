@@ -109,7 +109,7 @@ def compare(ours, theirs, angles, foot):
     np.testing.assert_allclose(*places, atol=1e-10)
 
 
-@settings(max_examples=60)
+@settings(max_examples=20)
 @given(
     held=st.fixed_dictionaries({}, optional={n: st.floats(*LIMITS[n]) for n in ARMS}),
     legs=st.tuples(st.floats(-2, 2), st.floats(-2, 2)),
@@ -121,7 +121,7 @@ def test_held_joints_are_as_pinocchio_locks_them(small, held, legs, others):
     compare(ours, theirs, angles, "shank")
 
 
-@settings(max_examples=30)
+@settings(max_examples=10)
 @given(
     xyz=st.tuples(*[st.floats(-1, 1)] * 3),
     rpy=st.tuples(*[st.floats(-3, 3)] * 3),

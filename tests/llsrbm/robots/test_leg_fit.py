@@ -15,10 +15,10 @@ from llsrbm.robots.leg_maps import (
     quadratic_features,
     quadratic_slopes,
 )
-from tests.llsrbm.robots.test_robot import ANYMAL, QUADRUPEDS
+from tests.llsrbm.robots.test_robot import ANYMAL
 
 
-@pytest.mark.parametrize("name", QUADRUPEDS)
+@pytest.mark.parametrize("name", ["anymal", "go2"])
 def test_maps_are_true_of_every_quadruped(name):
     """Against Pinocchio, feet anywhere in the reach box and moving at random."""
     robot = load_robot(name)
@@ -47,7 +47,7 @@ def test_anymals_maps_beat_the_papers_rule():
     assert fit.proportional_fraction == pytest.approx(0.6225, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", [*QUADRUPEDS, "slider"])
+@pytest.mark.parametrize("name", ["anymal", "slider"])
 def test_masses_add_up(name):
     robot = load_robot(name)
     fit = fit_legs(robot, samples=400)

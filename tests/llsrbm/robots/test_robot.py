@@ -93,15 +93,6 @@ def test_mass_and_inertia_are_those_of_all_bodies(robot):
     assert inertia == pytest.approx(robot.inertia, abs=1e-12)
 
 
-def test_the_default_posture_is_within_the_robots_own_reach(robot):
-    seen = robot.mirrors * (robot.feet - robot.base_position - robot.hips)
-    reach = robot.file.reach
-    assert (seen >= reach.lower).all()
-    assert (seen <= reach.upper).all()
-    distance = np.linalg.norm(seen, axis=1)
-    assert (distance >= reach.distance[0]).all()
-
-
 @pytest.mark.parametrize(("name", "hind"), QUADRUPEDS.items())
 def test_hind_legs_are_mirrored_only_if_they_bend_the_other_way(name, hind):
     robot = load_robot(name)

@@ -1,7 +1,5 @@
 """Schedules beyond take-off, flight and landing, simulated whole."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -57,14 +55,6 @@ def test_the_second_flight_is_as_much_later_as_the_first_touchdown(hopped):
     assert outcome.false_touchdowns == 0
 
 
-def test_hops_onto_a_box_and_on():
-    """Up onto 15 cm, and from there twice 30 cm ahead: a box under every place."""
-    up = solved("llsrbm-plus", "all").plan
-    rollout = simulate(in_a_row(up, forward(), forward()), ROBOT, Scenario())
-    assert rollout.outcome.strict, rollout.outcome
-    np.testing.assert_allclose(rollout.foot_position[-1, :, 2], 0.15, atol=5e-3)
-
-
 def test_a_hop_that_falls_before_its_last_flight_has_no_last_touchdown(monkeypatch):
     advance = World.advance
 
@@ -98,10 +88,3 @@ def test_front_feet_that_land_first():
     )
     outcome = simulate(early, ROBOT, Scenario(seed=1)).outcome
     assert outcome.strict, outcome
-
-
-def test_a_robot_that_turns_whole_turns_is_upright_again():
-    """Attitudes count modulo whole turns: the same plan with its quaternions negated."""
-    plan = forward()
-    turned = replace(plan, base_quat=-plan.base_quat)
-    assert simulate(turned, ROBOT, Scenario()).outcome.strict

@@ -1,5 +1,6 @@
 """Planning anew in the loop: when it is asked, when it is followed, and what it is worth."""
 
+from dataclasses import replace
 from functools import cache
 from types import SimpleNamespace
 
@@ -117,14 +118,20 @@ def test_an_unknown_kind_of_drives_is_refused():
         check_scenario(Scenario(drives="none"), ROBOT)
 
 
+CALM = Scenario(seed=3, noise=1.0)
+
+
+@cache
+def calm():
+    return simulate(plan(), ROBOT, CALM)
+
+
 def test_where_nothing_happens_it_lands_as_it_does_without(takes):
     takes(0.01)
-    calm, replanned = (
-        simulate(plan(), ROBOT, Scenario(seed=3, noise=1.0, replan=on)) for on in (False, True)
-    )
+    replanned = simulate(plan(), ROBOT, replace(CALM, replan=True))
     assert replanned.outcome.strict
     assert any(replan.solved for replan in replanned.replans)
-    np.testing.assert_array_equal(replanned.qpos, calm.qpos)
+    np.testing.assert_array_equal(replanned.qpos, calm().qpos)
 
 
 @cache
@@ -197,16 +204,21 @@ def test_where_nothing_is_found_the_old_plan_goes_on(takes, monkeypatch):
     takes(0.01)
     none = replanning.Answer(None, 0, 0.0)
     monkeypatch.setattr(replanning.Replanner, "replan", lambda self, state: none)
-    lost, calm = (simulate(plan(), ROBOT, Scenario(replan=on)) for on in (True, False))
+    lost = simulate(plan(), ROBOT, replace(CALM, replan=True))
     assert lost.replans
     assert not any(replan.solved for replan in lost.replans)
-    np.testing.assert_array_equal(lost.qpos, calm.qpos)
+    np.testing.assert_array_equal(lost.qpos, calm().qpos)
+
+
+@cache
+def quarter_turn():
+    return llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)), draft=True)
 
 
 @pytest.mark.parametrize("moment", ["lift-off", "mid-flight"])
 def test_soles_are_moved_elsewhere_only_where_there_is_time(takes, moment):
     takes(0.015)
-    slider = llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)), draft=True)
+    slider = quarter_turn()
     middle = (slider.lift_off + slider.touchdown) / 2
     at = {"lift-off": slider.lift_off - DURATION, "mid-flight": middle}[moment]
     forward = {"lift-off": 5.0, "mid-flight": 3.7}[moment]  # N s; less departs too little

@@ -76,7 +76,7 @@ class Run:
         self.place, self.speed, self.turn = np.array(place), np.array(speed), np.array(turn)
 
 
-SEEDS = range(150)
+SEEDS = range(100)
 
 
 @pytest.fixture(scope="module")
@@ -172,10 +172,9 @@ def test_a_robot_that_moves_at_first_is_estimated_to():
     np.testing.assert_allclose(measured.v[1:6], 0, atol=0.04)
 
 
-@pytest.mark.parametrize("estimator", ["drift", "imu"])
-def test_a_jump_lands_with_an_estimators_errors(estimator):
+def test_a_jump_lands_with_an_estimators_errors():
     plan = solved("llsrbm-plus", "forward").plan
-    rollout = simulate(plan, ROBOT, Scenario(seed=3, estimator=estimator))
+    rollout = simulate(plan, ROBOT, Scenario(seed=3, estimator="imu"))
     assert rollout.landed, rollout.outcome
     assert tilt(rollout.base_quat)[-1] < np.radians(2)
     assert abs(yaw(rollout.base_quat)[-1]) < np.radians(5)

@@ -41,7 +41,7 @@ def unit(seed):
 
 @EVERY
 @TICKS
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(
     velocity=st.tuples(*3 * [st.floats(-2, 2)]),
     momentum=st.tuples(*3 * [st.floats(-4, 4)]),
@@ -59,13 +59,13 @@ def test_free_fall_is_no_contact(name, tick, velocity, momentum, stretch):
 def test_noise_alone_never_triggers(tick, noise):
     detector = make_detector("residual", tick, UNCERTAIN)
     largest = 0.0
-    for seed in range(40):
+    for seed in range(10):
         assert first(detector, flight(tick, noise=noise, seed=seed, stretch=-0.3)) is None
         largest = max(largest, detector.signal)
     assert largest > 2  # the noise is what the signal measures
 
 
-@pytest.mark.parametrize("trunk_factor", [0.85, 0.92, 1.08, 1.15])
+@pytest.mark.parametrize("trunk_factor", [0.85, 1.15])
 @TICKS
 def test_a_wrong_trunk_never_triggers(trunk_factor, tick):
     states = misjudged_flight(trunk_factor, tick)
@@ -99,7 +99,7 @@ def test_the_signal_is_the_trunks_error_in_standard_deviations():
 
 
 @TICKS
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_a_kick_in_any_direction_triggers_at_once(tick, seed):
     states = landing(0.25, tick, kick=0.06 * unit(seed))
@@ -110,7 +110,6 @@ def test_a_kick_in_any_direction_triggers_at_once(tick, seed):
     ("force", "point", "rise", "median", "p90"),
     [
         pytest.param(2000, BELOW, 0.002, 5e-3, 6e-3, id="stiff"),
-        pytest.param(700, BELOW, 0.010, 11e-3, 13e-3, id="soft"),
         pytest.param(300, ONE_FOOT, 0.010, 6e-3, 8e-3, id="one foot, soft"),
         pytest.param(150, BELOW, 0.005, 20e-3, 25e-3, id="half its weight"),
     ],
@@ -154,7 +153,7 @@ def test_the_papers_signal_is_the_least_fall_of_the_norm_in_its_window():
 
 
 @EVERY
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(angle=st.floats(-np.pi, np.pi), seed=st.integers(0, 1000))
 def test_the_heading_of_the_world_does_not_matter(name, angle, seed):
     contact = Contact(BEGIN, np.array([100.0, -50.0, 400.0]), ONE_FOOT, 0.005)

@@ -2,7 +2,6 @@
 
 import json
 from collections import defaultdict
-from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -169,16 +168,6 @@ def test_joint_states(plan, log):
         np.testing.assert_allclose(got, values[:, order], atol=1e-6)
 
 
-def test_quaternions_do_not_jump(plan, log):
-    for topic in ("/base", "/com"):
-        quat = [message.pose.orientation for message in log.messages[topic]]
-        quat = np.array([[q.x, q.y, q.z, q.w] for q in quat])
-        assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
-    yaw = np.unwrap([turn(m.pose.orientation).as_euler("ZYX")[0] for m in log.messages["/base"]])
-    assert yaw[0] == pytest.approx(0, abs=1e-6)
-    assert yaw[-1] == pytest.approx(plan.jump.twist, abs=1e-2)
-
-
 def test_numbers_to_plot(plan, log):
     at, joints = sampled(plan, log.seconds("/state"))
     for name, values in (
@@ -271,11 +260,6 @@ def test_a_rollout_and_the_plan_that_it_followed(simulated):
     assert all(entity.triangles[0].color.a < 0.5 for entity in message.entities)
 
 
-def test_events_of_a_rollout_are_exact(simulated):
-    exact = np.round(events(rollout()) * 1e9).astype(int)
-    assert set(exact) <= set(simulated.times["/state"])
-
-
 def test_what_the_controller_tracked(simulated):
     at, _ = sampled(rollout(), simulated.seconds("/reference"))
     got = simulated.numbers("/reference", "com")
@@ -306,27 +290,6 @@ def test_the_board_comes_in_mid_flight(simulated):
     assert [entity.id for entity in after.entities] == ["ground", "board"]
     board = after.entities[1].cubes[0]
     assert board.pose.position.z + board.size.z / 2 == pytest.approx(BOARD)
-
-
-def test_torques_that_are_not_known(tmp_path):
-    unknown = replace(planned("go2"), joint_torque=None, joint_torque_limit=None)
-    log = written(unknown, tmp_path)
-    assert "torque_share" not in log.messages["/state"][0]
-    assert not log.messages["/joint_states"][0].joints[0].HasField("effort")
-
-
-def test_rerun_moves_the_frames(tmp_path):
-    from rerun.chunk import McapReader
-
-    export(planned("slider"), tmp_path / "x.mcap", format="mcap", fps=50)
-    children = set()
-    for chunk in McapReader(tmp_path / "x.mcap").stream():
-        rows = chunk.to_record_batch()
-        if "Transform3D:child_frame" in rows.schema.names:
-            children |= {
-                name for row in rows["Transform3D:child_frame"].to_pylist() for name in row
-            }
-    assert children == set(body_frames("slider"))
 
 
 def test_without_its_packages(tmp_path, monkeypatch):

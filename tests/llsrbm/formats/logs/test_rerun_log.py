@@ -12,7 +12,7 @@ from rerun.chunk import RrdReader
 from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
-from llsrbm.formats import FORMATS, export
+from llsrbm.formats import export
 from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
@@ -206,12 +206,6 @@ def test_a_rollout_and_the_plan_that_it_followed(simulated):
     np.testing.assert_allclose(simulated.scalars("com", "planned"), at.com, atol=1e-9)
 
 
-def test_what_the_controller_tracked(simulated):
-    at, _ = sampled(rollout(), simulated.seconds("/tracked/com"))
-    np.testing.assert_allclose(simulated.scalars("com", "tracked"), at.reference_com, atol=1e-9)
-    assert simulated.static("/tracked/com", "SeriesLines:names")[0] == "x tracked"
-
-
 def test_the_board_comes_in_mid_flight(simulated):
     middle = rollout().plan.phase_start[1:3].mean()
     assert simulated.seconds("/world/blocks/board") == pytest.approx([middle], abs=1e-9)
@@ -220,30 +214,6 @@ def test_the_board_comes_in_mid_flight(simulated):
         for name in ("centers", "half_sizes")
     )
     assert centre[2] + half[2] == pytest.approx(BOARD, abs=FLOAT)
-
-
-def test_what_is_drawn_away(tmp_path):
-    """The block under a robot that jumps down beside it."""
-    import rerun as rr
-
-    from llsrbm.formats.logs.rerun_log import _log_surroundings
-    from llsrbm.motion.surroundings import Block, Surroundings
-
-    stream = rr.RecordingStream("test", recording_id="drawn away")
-    stream.save(tmp_path / "x.rrd")
-    block = Block("block", np.array([0, 0, -0.1]), np.array([1, 1, 0.2]), 0.3, 0.0, 0.5)
-    _log_surroundings(stream, Surroundings(-0.2, (block,)))
-    stream.flush()
-    stream.disconnect()
-    times, sizes = [], []
-    for chunk in RrdReader(tmp_path / "x.rrd").stream():
-        if chunk.entity_path == "/world/blocks/block":
-            batch = chunk.to_record_batch()
-            times += batch["time"].cast("int64").to_pylist()
-            sizes += batch["Boxes3D:half_sizes"].to_pylist()
-    assert times == [0, 500_000_000]
-    assert len(sizes[0]) == 1
-    assert sizes[1] == []
 
 
 def test_nothing_keeps_running(tmp_path):
@@ -266,12 +236,4 @@ def test_switched_off_by_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("RERUN", "off")
     with pytest.raises(InputError, match="environment variable RERUN"):
         export(planned("go2"), tmp_path / "x.rrd", format="rrd")
-    assert not list(tmp_path.iterdir())
-
-
-def test_without_its_package(tmp_path, monkeypatch):
-    monkeypatch.setattr("llsrbm.formats.base.find_spec", lambda name: None)
-    with pytest.raises(InputError, match=r'pip install "llsrbm\[rerun\]"'):
-        export(planned("go2"), tmp_path / "x.rrd", format="rrd")
-    assert FORMATS["rrd"].extra.modules == ("rerun",)
     assert not list(tmp_path.iterdir())

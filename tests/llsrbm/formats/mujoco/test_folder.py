@@ -1,10 +1,12 @@
 """The folder for MuJoCo, opened by MuJoCo in a process that does not import this project."""
 
+import itertools
 import json
 import subprocess
 import sys
 import zipfile
 from dataclasses import replace
+from textwrap import indent
 
 import mujoco
 import numpy as np
@@ -23,10 +25,9 @@ from tests.llsrbm.formats.jumps import ROBOTS, planned, simulated
 FEET = {"anymal": ("LF", "RF", "LH", "RH"), "slider": ("left", "right")}
 
 # What a stranger would write: forward kinematics of every frame, nothing but MuJoCo and NumPy.
+IMPORTS = "import sys\nimport mujoco, numpy as np\n"
+EACH = "for folder, result in zip(sys.argv[1::2], sys.argv[2::2]):\n"
 REPLAY = """
-import sys
-import mujoco, numpy as np
-folder, result = sys.argv[1:]
 model = mujoco.MjModel.from_xml_path(folder + "/scene.xml")
 data = mujoco.MjData(model)
 motion = dict(np.load(folder + "/motion.npz", allow_pickle=False))
@@ -87,10 +88,13 @@ class Case:
             return dict(file)
 
     def replayed(self, key):
-        result = self.folders[key].parent / f"{key}-replayed.npz"
-        if not result.exists():
-            alone(REPLAY, self.folders[key], result)
-        with np.load(result) as file:
+        results = {
+            each: path.with_name(f"{each}-replayed.npz") for each, path in self.folders.items()
+        }
+        if not results[key].exists():
+            pairs = zip(self.folders.values(), results.values(), strict=True)
+            alone(IMPORTS + EACH + indent(REPLAY, "    "), *itertools.chain(*pairs))
+        with np.load(results[key]) as file:
             return dict(file)
 
     def model(self, key="rollout"):
@@ -246,6 +250,7 @@ def test_its_torques_move_the_exported_robot_as_they_moved_ours(case):
     assert missed[1] > 10 * missed[0]
 
 
+@pytest.mark.parametrize("case", ["anymal"], indirect=True)
 def test_the_program_in_the_readme_replays_it(case):
     """With a window that only counts, which is all that is ours about it."""
     text = (case.folders["rollout"] / "README.txt").read_text()

@@ -5,16 +5,10 @@ import shutil
 from dataclasses import dataclass, replace
 from functools import cache
 
-import llsrbm
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import load_robot
-
-JUMPS = {
-    "anymal": {"twist": 0.8, "forward": 0.5, "height": 0.1},
-    "slider": {"twist": 1.57},
-    "go2": {"twist": 3.1, "forward": 0.2},
-}
+from tests.llsrbm.formats.jumps import planned, simulated
 
 
 @dataclass(frozen=True)
@@ -25,11 +19,7 @@ class Motion:
 
 @cache
 def motion_of(robot):
-    plan = llsrbm.plan(llsrbm.Jump(robot=robot, **JUMPS[robot]), draft=True)
-    assert plan.solved
-    rollout = llsrbm.simulate(plan)
-    assert rollout.landed
-    return Motion(plan, replace(rollout, plan=plan))
+    return Motion(planned(robot), replace(simulated(robot), plan=planned(robot)))
 
 
 def without_meshes(folder):

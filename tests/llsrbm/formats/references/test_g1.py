@@ -14,7 +14,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
-from llsrbm.errors import FileFormatError
 from llsrbm.formats import export
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
@@ -49,9 +48,9 @@ def rollout():
     return llsrbm.simulate(planned("g1"), seed=0)
 
 
-@pytest.fixture(scope="module", params=["plan", "rollout"])
-def jump(rollout, request):
-    return rollout if request.param == "rollout" else rollout.plan
+@pytest.fixture(scope="module")
+def jump(rollout):
+    return rollout
 
 
 @pytest.fixture(scope="module")
@@ -179,20 +178,3 @@ def test_held_joints_are_left_out_again_when_opened(rollout, tmp_path, format_):
     motion = llsrbm.load_motion(path, robot="g1")
     assert motion.joint_position.shape[1] == len(rollout.joint_names) == 20
     np.testing.assert_allclose(motion.joint_position[-1], rollout.joint_position[-1], atol=1e-6)
-
-
-def test_tables_of_either_width_without_names(rollout, tmp_path):
-    path = tmp_path / "jump.csv"
-    export(rollout, path, format="unitree-csv", fps=50)
-    (tmp_path / "jump.csv.meta.json").unlink()
-    whole = llsrbm.load_motion(path, robot="g1", fps=50)
-    rows = np.loadtxt(path, delimiter=",")
-    np.savetxt(path, np.delete(rows, 7 + np.array(HELD), axis=1), delimiter=",")
-    moved = llsrbm.load_motion(path, robot="g1", fps=50)
-    np.testing.assert_array_equal(moved.joint_position, whole.joint_position)
-    (tmp_path / "jump.csv.meta.json").write_text(json.dumps({"joint_order": JOINTS}))
-    with pytest.raises(FileFormatError, match="a name for each of 20 joints, got 29"):
-        llsrbm.load_motion(path, robot="g1", fps=50)
-    np.savetxt(path, rows[:, :-1], delimiter=",")
-    with pytest.raises(FileFormatError, match=r"35 columns; expected 27 or 30 or 34 or 36: "):
-        llsrbm.load_motion(path, robot="g1", fps=50)

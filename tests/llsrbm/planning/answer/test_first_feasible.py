@@ -20,7 +20,7 @@ from llsrbm.robots import load_robot
 ANYMAL = load_robot("anymal")
 LIMITS = {"torque_share": 0.56}
 START = Jump(twist=math.radians(96))
-DEGREES = (99, 117, 153, 171, 135, 108)  # of a slider, there and back
+DEGREES = (99, 153, 171, 108)  # of a slider, there and back
 
 
 def answer(jump, near=None, **options):

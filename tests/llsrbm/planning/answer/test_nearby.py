@@ -32,7 +32,6 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.planning.solved import REQUESTS, solved
 
 ROBOT = load_robot("anymal")
-NEAR = {"10 degrees": {"twist": -0.17}, "all": {"twist": 0.1, "forward": -0.03, "height": 0.02}}
 
 
 @pytest.fixture
@@ -41,11 +40,10 @@ def planner():
     return Planner(ROBOT, "srbm")
 
 
-@pytest.mark.parametrize("step", NEAR)
-def test_from_a_near_plan_the_same_optimum_is_a_few_iterations_away(planner, step):
+def test_from_a_near_plan_the_same_optimum_is_a_few_iterations_away(planner):
     """The cold solution is the independent truth."""
     near = planner.plan(Jump(model="srbm", twist=1.2, forward=0.1))
-    jump = replace(near.jump, **{k: getattr(near.jump, k) + v for k, v in NEAR[step].items()})
+    jump = replace(near.jump, twist=1.3, forward=0.07, height=0.02)
     plan, cold = planner.plan(jump, near=near), planner.plan(jump)
     assert plan.report.attempts == 1
     assert plan.report.iterations <= 6 < cold.report.iterations
@@ -130,7 +128,7 @@ def attempt_of(converged, torque, jump=None):
 DIVERGED, WORSE, LITTLE = (False, 400.0), (True, 2.0), (True, 0.3)
 
 
-@pytest.mark.parametrize("later", [[DIVERGED], [WORSE, DIVERGED], [(False, 0.01)], [(True, 1.9)]])
+@pytest.mark.parametrize("later", [[WORSE, DIVERGED], [(False, 0.01)]])
 def test_of_several_solves_the_best_is_kept(planner, monkeypatch, later):
     """In all three places where a solve follows another one; time is that of all."""
     form, first = planner.formulation, attempt_of(*LITTLE)
@@ -207,7 +205,7 @@ def test_what_cannot_be_says_what_is_violated(planner):
 
 
 def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
-    near = planner.plan(Jump(model="srbm", forward=0.3))
+    near = solved("srbm", "forward").plan
     solver = made_reluctant(planner, 1)
     said = []
     plan = planner.plan(Jump(model="srbm", forward=0.32), near=near, progress=said.append)
@@ -219,13 +217,13 @@ def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
     )
 
 
-@pytest.mark.parametrize("near", [False, True])
-def test_impatient_planning_gives_up_after_the_quick_attempts(planner, near):
-    start = planner.plan(Jump(model="srbm", forward=0.3)) if near else None
+def test_impatient_planning_gives_up_after_the_quick_attempts(planner):
     solver = made_reluctant(planner, 9)
-    with pytest.raises(NotConverged, match=f"no plan found in {1 + near} attempts"):
-        planner.plan(Jump(model="srbm", forward=0.3), near=start, patient=False)
-    assert len(solver.calls) == 1 + near
+    with pytest.raises(NotConverged, match="no plan found in 2 attempts"):
+        planner.plan(
+            Jump(model="srbm", forward=0.3), near=solved("srbm", "forward").plan, patient=False
+        )
+    assert len(solver.calls) == 2
 
 
 def test_cancelled_in_the_middle_of_a_solve(planner):

@@ -18,7 +18,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.request.jump import COMPONENTS, Jump, changes
+from llsrbm.request.jump import Jump, changes
 from llsrbm.robots import load_robot
 
 ANYMAL = load_robot("anymal")
@@ -67,20 +67,13 @@ def test_it_is_a_plan_of_a_round_request():
 
 def test_its_single_feet_land_where_they_shall():
     stones = {"LF": (0.05, 0.03), "RH": (-0.03, 0.0)}
-    plan = refusal(replace(FAR, stones=stones)).nearest
+    plan = refusal(replace(FAR, stones=stones), explains=False).nearest
     assert plan.solved
     assert plan.jump == replace(FAR, stones=stones, twist=plan.jump.twist)
     assert 100 < math.degrees(plan.jump.twist) < 170
     aside = plan.foot_position[-1] @ turns_about_z(plan.jump.twist) - ANYMAL.feet
     expected = [(0.05, 0.03, 0), (0, 0, 0), (0, 0, 0), (-0.03, 0, 0)]
     np.testing.assert_allclose(aside, expected, atol=1e-6)
-
-
-def test_much_more_cannot_be_planned():
-    """By the plain problem from any guess; 15 degrees, for it is cheaper to give up a little."""
-    more = replace(FAR, twist=refused().nearest.jump.twist + math.radians(15))
-    with pytest.raises(NotConverged):
-        llsrbm.plan(more, limits=LIMITS, patient=False, draft=True)
 
 
 def test_the_error_says_it_in_one_line():
@@ -112,14 +105,13 @@ def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
     shown = refused().nearest
     assert shown.is_nearest
     more = replace(FAR, twist=math.radians(175))
-    for hurried in (False, True):
-        error = refusal(more, near=shown, explains=False, hurried=hurried)
-        # What was not tried is not solved, and of what was asked.
-        assert (error.plan.report.status, error.plan.jump) == ("not-converged", more)
-        assert max(v.amount for v in error.plan.violations.values()) > TOLERANCE
-        assert error.nearest.solved
-        assert error.nearest.jump.twist == pytest.approx(shown.jump.twist, abs=math.radians(8))
-        assert error.stops[0].amount == 0
+    error = refusal(more, near=shown, explains=False, hurried=True)
+    # What was not tried is not solved, and of what was asked.
+    assert (error.plan.report.status, error.plan.jump) == ("not-converged", more)
+    assert max(v.amount for v in error.plan.violations.values()) > TOLERANCE
+    assert error.nearest.solved
+    assert error.nearest.jump.twist == pytest.approx(shown.jump.twist, abs=math.radians(8))
+    assert error.stops[0].amount == 0
     # What is shown can be asked for; the check of the whole body may cost it two degrees.
     try:
         again = replace(FAR, twist=shown.jump.twist)
@@ -131,18 +123,18 @@ def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
 
 
 def test_of_several_ways_to_less_the_one_that_keeps_most_is_found():
-    """Half of the request as the guess leads to 81 degrees."""
+    """Half of the request as the guess leads to 81 degrees; nothing changes its sign or grows."""
     jump = Jump(twist=math.pi, height=0.3)
     with pytest.raises(NotConverged) as caught:
         llsrbm.plan(jump, guesses=False, explains=False, draft=True)
     found = caught.value.nearest
     assert found.solved
     assert found.jump == replace(jump, twist=found.jump.twist)
-    assert found.jump.twist >= math.radians(95)
+    assert math.radians(95) <= found.jump.twist <= jump.twist
 
 
-@pytest.mark.parametrize("jump", [Jump(twist=1.2), Jump(twist=-0.4, forward=0.3, height=0.1)])
-def test_what_can_be_planned_is_given_up_in_nothing(jump):
+def test_what_can_be_planned_is_given_up_in_nothing():
+    jump = Jump(twist=-0.4, forward=0.3, height=0.1)
     found = find_nearest(
         planner_for("anymal", FAR.model).formulation, make_task(jump, ANYMAL), Watch()
     )
@@ -159,15 +151,6 @@ def test_multipliers_say_which_limit_is_worth_most():
     looser = find_nearest(found.formulation, looser_task, Watch(), begun)
     gained = distance(task, found.priced.task.jump) - distance(task, looser.priced.task.jump)
     assert 1 / 3 < gained / (loosened * first.slope) < 3
-
-
-def test_nothing_changes_sign_or_grows():
-    jump = Jump(twist=math.radians(-165), forward=0.55, lateral=0.1, height=-0.1)
-    nearest = refusal(jump, explains=False).nearest.jump
-    for name in COMPONENTS:
-        done, asked = getattr(nearest, name), getattr(jump, name)
-        assert abs(done) <= abs(asked) + 1e-9
-        assert done * asked >= 0
 
 
 def test_by_way_of_nearer_jumps_all_of_it_may_be_found(monkeypatch):
@@ -214,14 +197,7 @@ def test_stops_in_words():
     )
 
 
-@pytest.mark.parametrize(
-    "jump",
-    [
-        # The rows take both for feasible in full while Pinocchio's check objects.
-        Jump(twist=math.radians(-155.944), forward=0.106439, lateral=-0.137528, height=0.031527),
-        # What its rows keep of the limits costs this one half a degree.
-        Jump(twist=math.radians(84.0), forward=0.54, lateral=-0.07, height=0.15),
-    ],
-)
-def test_what_the_check_agrees_to_in_the_end_is_planned_in_full(jump):
+def test_what_the_check_agrees_to_in_the_end_is_planned_in_full():
+    """What the rows keep of the limits costs it half a degree."""
+    jump = Jump(twist=math.radians(84.0), forward=0.54, lateral=-0.07, height=0.15)
     assert llsrbm.plan(jump, guesses=False, explains=False, draft=True).jump == jump

@@ -20,29 +20,26 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.kinematics import foot_positions
 from tests.llsrbm.planning.solved import REQUESTS, TYPES, solved
 
-every_plan = pytest.mark.parametrize("request_name", REQUESTS)
 every_model = pytest.mark.parametrize("model", models.MODELS)
 ROBOT = load_robot("anymal")
 
 
-@every_plan
 @every_model
-def test_reported_as_the_contract_says(model, request_name):
-    plan = solved(model, request_name).plan
+def test_reported_as_the_contract_says(model):
+    plan = solved(model, "all").plan
     report = plan.report
     assert plan.solved
     assert (report.status, report.solver, report.attempts) == ("solved", "fatrop", 1)
     assert 0 < report.iterations < 100
     assert 0 < report.solve_time_s < report.total_time_s
-    assert plan.jump == Jump(model=model, **REQUESTS[request_name])
+    assert plan.jump == Jump(model=model, **REQUESTS["all"])
     assert plan.robot_parameters["name"] == "anymal"
     assert max(v.amount for v in plan.violations.values()) <= TOLERANCE
 
 
-@every_plan
 @every_model
-def test_arrays_of_the_contract(model, request_name):
-    s = solved(model, request_name)
+def test_arrays_of_the_contract(model):
+    s = solved(model, "all")
     plan, legs = s.plan, 4
     assert (np.diff(plan.time) > 0).all()
     assert (np.diff(plan.phase) >= 0).all()
@@ -60,10 +57,9 @@ def test_arrays_of_the_contract(model, request_name):
     np.testing.assert_allclose(fall, np.tile([0, 0, -9.81], (len(fall), 1)), atol=1e-8)
 
 
-@every_plan
 @every_model
-def test_ends_where_it_was_asked_to(model, request_name):
-    s = solved(model, request_name)
+def test_ends_where_it_was_asked_to(model):
+    s = solved(model, "all")
     plan = s.plan
     np.testing.assert_allclose(plan.com[-1], s.task.goal_position, atol=1e-5)
     np.testing.assert_allclose(plan.base_quat[-1], s.task.goal_quat, atol=1e-5)
@@ -73,13 +69,12 @@ def test_ends_where_it_was_asked_to(model, request_name):
         assert np.abs(getattr(plan, name)[[0, -1]]).max() < 1e-5
 
 
-@every_plan
 @every_model
-def test_the_posture_puts_the_feet_and_the_com_where_the_plan_has_them(model, request_name):
+def test_the_posture_puts_the_feet_and_the_com_where_the_plan_has_them(model):
     """By Pinocchio's forward kinematics of a model of its own."""
     import pinocchio as pin
 
-    plan = solved(model, request_name).plan
+    plan = solved(model, "all").plan
     feet = foot_positions(ROBOT, plan.base_position, plan.base_quat, plan.joint_position)
     assert np.linalg.norm(feet - plan.foot_position, axis=-1).max() < 5e-3
     data = ROBOT.model.createData()

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from llsrbm import models
 from tests.llsrbm.planning.replay import angle_between, replay
-from tests.llsrbm.planning.solved import FLIPS, REQUESTS, TYPES, solved
+from tests.llsrbm.planning.solved import FLIPS, TYPES, solved
+
+STEP = 5e-3  # s
 
 
 def drift(states, name, planned):
@@ -17,14 +20,11 @@ def turned(states, plan):
     return np.array([angle_between(state.quat, quat) for state, quat in pairs])
 
 
-@pytest.mark.parametrize(
-    ("model", "request_name"),
-    [*(("llsrbm-plus", name) for name in REQUESTS), ("srbm", "all"), ("llsrbm", "all")],
-)
-def test_replayed(model, request_name):
-    s = solved(model, request_name)
+@pytest.mark.parametrize("model", models.MODELS)
+def test_replayed(model):
+    s = solved(model, "all")
     plan = s.plan
-    states = replay(plan, s.planner.model, step=2e-3)
+    states = replay(plan, s.planner.model, step=STEP)
     # Forces are constant over an interval: these are exact whatever the interval's length.
     assert drift(states, "position", plan.com) < 1e-8
     assert drift(states, "velocity", plan.com_velocity) * s.task.mass < 1e-6
@@ -37,17 +37,16 @@ def test_replayed(model, request_name):
 def test_any_schedule_replayed(name):
     s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")
     plan = s.plan
-    states = replay(plan, s.planner.model, step=2e-3, correction=s.task.correction)
+    states = replay(plan, s.planner.model, step=STEP, correction=s.task.correction)
     assert drift(states, "position", plan.com) < 1e-8
     assert drift(states, "velocity", plan.com_velocity) * s.task.mass < 1e-6
     assert drift(states, "momentum", plan.angular_momentum) < 1e-6
     assert turned(states, plan)[-1] < 0.5
 
 
-@pytest.mark.parametrize("request_name", ["twist", "box"])
-def test_soles_replayed(request_name):
-    s = solved("llsrbm-plus", request_name, "slider")
-    states = replay(s.plan, s.planner.model, step=2e-3)
+def test_soles_replayed():
+    s = solved("llsrbm-plus", "twist", "slider")
+    states = replay(s.plan, s.planner.model, step=STEP)
     assert drift(states, "momentum", s.plan.angular_momentum) < 1e-6
     # The light pelvis turns faster within an interval than a quadruped's trunk.
     assert turned(states, s.plan).max() < 0.2

@@ -1,7 +1,5 @@
 """Jumps beyond the drives are refused by the name of the joint, the place and the amount."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -51,23 +49,6 @@ def test_the_demand_of_speed():
     found = demand.demand
     assert (found.joint, found.unit) == (knots.loads.joint_names[j], "rad/s")
     assert (found.needed, found.has) == pytest.approx((speed[i, k, j], has[i]))
-
-
-def test_sliding_joints_have_forces_and_slide():
-    knots = solved("llsrbm-plus", "box", "slider").knots
-    robot, loads = knots.task.robot, knots.loads
-    (slide, *_) = [j for j, n in enumerate(robot.joint_names) if n in robot.sliding_joints]
-    torque, speed = np.zeros_like(loads.joint_torque), np.zeros_like(loads.joint_velocity)
-    torque[10, slide], speed[10, slide] = 2000.0, 7.0
-    knots = under(knots)
-    vars(knots)["loads"] = replace(
-        loads,
-        joint_torque=torque,
-        joint_velocity=speed,
-        torque_available=np.tile(robot.torque_limit, (len(torque), 1)),
-    )
-    assert "needs 2000 N " in str(JointTorque().demand(knots).demand)
-    assert "needs 7 m/s " in str(JointSpeed().demand(knots).demand)
 
 
 def test_what_a_motion_violates_is_told_with_the_joint():

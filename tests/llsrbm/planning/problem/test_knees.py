@@ -25,7 +25,8 @@ MARGIN = load_robot("anymal").file.limits.knee_margin
 
 @cache
 def planned(margin):
-    return planner_for("anymal", "llsrbm-plus").plan(JUMP, limits={"knee_margin": margin})
+    planner = planner_for("anymal", "llsrbm-plus")
+    return planner.plan(JUMP, limits={"knee_margin": margin}, patient=False)
 
 
 def lowest_knee(plan, robot):
@@ -50,7 +51,7 @@ def test_knees_keep_their_margin_over_a_box():
     assert lowest_knee(planned(MARGIN), robot) > room + MARGIN - 5e-3
 
 
-@pytest.mark.parametrize("name", ["anymal", "anymal_c", "go2", "solo12"])
+@pytest.mark.parametrize("name", ["anymal", "go2"])
 def test_a_thigh_touches_what_is_as_far_below_its_knee_as_it_is_thick(name):
     """A level surface below the knees of the default posture, by the shapes of thighs alone."""
     robot = load_robot(name)

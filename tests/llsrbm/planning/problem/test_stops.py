@@ -23,17 +23,22 @@ def planner():
     return planner_of(JUMP)
 
 
+@pytest.fixture(scope="module")
+def planned(planner):
+    return planner.plan(JUMP, patient=False), planner.last_knots()
+
+
 def worst(plan):
     """Furthest beyond a stop at any knot, rad; below zero where there is room."""
     lower, upper = load_robot("go2").joint_stops
     return np.maximum(lower - plan.joint_position, plan.joint_position - upper).max()
 
 
-def test_plans_keep_the_margin(planner):
-    plan = planner.plan(JUMP)
+def test_plans_keep_the_margin(planner, planned):
+    plan, _ = planned
     assert plan.violations["joint_stops"].amount == 0.0
     assert worst(plan) < -0.01
-    further = planner.plan(JUMP, limits={"stop_margin": 0.05})
+    further = planner.plan(JUMP, limits={"stop_margin": 0.05}, patient=False)
     assert worst(further) < worst(plan) - 0.03
 
 
@@ -44,13 +49,12 @@ def test_without_rows_this_jump_would_break_a_stop(planner, monkeypatch):
 
     monkeypatch.setattr(JointStops, "bounds", everything)
     monkeypatch.setattr(JointStops, "checked", lambda self, task: False)
-    assert worst(planner.plan(JUMP)) > 0.05
+    assert worst(planner.plan(JUMP, patient=False)) > 0.05
 
 
-def test_bounds_follow_the_whole_body(planner):
+def test_bounds_follow_the_whole_body(planned):
     """Rows at the bound, with as much between them and Pinocchio's angles as here."""
-    planner.plan(JUMP)
-    knots = planner.last_knots()
+    _, knots = planned
     bounds, robot = CONSTRAINT.agreed_bounds(knots), knots.task.robot
     joints, lower, upper = knots.task.stopped_joints, *robot.joint_stops
     rows = knots.rows[CONSTRAINT]
@@ -62,9 +66,8 @@ def test_bounds_follow_the_whole_body(planner):
     assert (bounds.lower[at][:, joints] + gap >= lower[joints] + RESERVE * room - 1e-9).all()
 
 
-def test_a_joint_beyond_its_stop_is_named(planner):
-    planner.plan(JUMP)
-    knots = planner.last_knots()
+def test_a_joint_beyond_its_stop_is_named(planned):
+    _, knots = planned
     angles = knots.postures.joint_position.copy()
     knee = knots.task.robot.joint_names.index("FL_calf_joint")
     angles[20, knee] = -0.5

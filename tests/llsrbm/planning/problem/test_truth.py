@@ -16,7 +16,7 @@ from llsrbm.planning.problem.constraints.truth import (
 from tests.llsrbm.planning.solved import TYPES, changed, solved, variable
 
 
-@pytest.mark.parametrize("request_name", ["twist", "forward", "all", *TYPES])
+@pytest.mark.parametrize("request_name", ["all", *TYPES])
 def test_plans_of_the_true_model_turn_as_they_say(request_name):
     knots = solved("llsrbm-plus", request_name).knots
     for flight in knots.flights:

@@ -32,7 +32,7 @@ def test_a_plan_obeys_the_dynamics(knots):
     assert satisfied(violations(knots))
 
 
-@pytest.mark.parametrize("k", [4, 20, 44])
+@pytest.mark.parametrize("k", [4, 20])
 def test_defects_of_a_disturbed_plan(knots, k):
     """A disturbed knot shows in the interval before it; the one after starts from it."""
     step = np.array([0.0, 0.02, 0.0])
@@ -71,11 +71,9 @@ def test_names_and_phases(knots):
         assert 0 <= violation.time <= knots.time[-1]
 
 
-@pytest.mark.parametrize(("request_name", "robot"), [("all", "anymal"), ("twist", "slider")])
 @pytest.mark.parametrize("number", [np.nan, np.inf, 0.0])
-def test_what_is_no_number_is_the_worst(request_name, robot, number):
+def test_what_is_no_number_is_the_worst(knots, number):
     """Of every variable, as a solver that diverges leaves it: violated, and nothing raises."""
-    knots = solved("llsrbm-plus", request_name, robot).knots
     layout, places = knots.layout, {}
     for knot in range(layout.knots):
         for name, place in layout.variables(knot).items():

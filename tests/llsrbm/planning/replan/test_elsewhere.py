@@ -16,7 +16,7 @@ from tests.llsrbm.planning.replan.test_replanner import FLIGHT, LANDING, plan, s
 from tests.llsrbm.planning.solved import solved
 
 ROBOT = load_robot("anymal")
-HEADINGS = [*np.radians([17.0, 45.0, 60.0, 133.0]), *np.random.default_rng(3).uniform(-3, 3, 1)]
+HEADINGS = np.radians([17.0, 133.0])
 # The pyramid of friction has the world's axes: on rough ground that matters by some millimetres.
 ROUGH = {"friction": 1.5}
 

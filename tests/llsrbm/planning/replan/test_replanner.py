@@ -83,7 +83,6 @@ def test_where_nothing_has_happened_the_plan_stays():
 @pytest.mark.parametrize(
     ("velocity", "momentum"),
     [
-        ((0.0, 0.5, 0.0), (0.0, 0.0, 0.0)),
         ((-0.4, 0.0, -0.2), (0.0, 0.0, 0.0)),
         ((0.2, 0.2, 0.2), (0.3, -0.3, 0.2)),
     ],
@@ -191,7 +190,7 @@ def test_robots_that_fall_are_answered_too(phase):
     rng = np.random.default_rng(phase)
     replanner = Replanner(plan(), ROBOT)
     start, end = plan().phase_start[phase : phase + 2]
-    for _ in range(12):
+    for _ in range(4):
         velocity, momentum = rng.uniform(-1.5, 1.5, 3), rng.uniform(-8.0, 8.0, 3)
         time = rng.uniform(start, end - 0.08)
         answer = replanner.replan(state(time, phase, velocity=velocity, momentum=momentum))

@@ -6,14 +6,11 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from llsrbm import models
-from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.knots import unpack
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.solve.formulation import solve_options
-from llsrbm.planning.solve.guess import FLIP_FLIGHT, analytic_guess
+from llsrbm.planning.solve.guess import analytic_guess
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.watch import Watch
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.planning.any_schedule import task_of
@@ -151,14 +148,6 @@ def test_a_flip_turns_over_in_flight(turn):
     assert turned[flight, axis].sum() == pytest.approx(0.8 * (jump.pitch + jump.roll), rel=0.02)
     # The quaternion runs through the turn without a jump.
     assert (np.sum(knots.quat[1:] * knots.quat[:-1], axis=1) > 0.9).all()
-
-
-def test_a_flip_is_found_from_another_flight_time():
-    jump = Jump(robot="go2", type="flip", pitch=-2 * np.pi)
-    form = planner_of(jump).formulation
-    task, watch = make_task(jump, form.robot), Watch(None, None)
-    guess = form.guess(task, 0.8 * FLIP_FLIGHT)
-    assert form.reconciled(form.solve(task, guess, watch, solve_options(task)), watch).solved
 
 
 def test_mirrored_requests_have_mirrored_guesses():

@@ -11,14 +11,19 @@ from llsrbm.planning.whole_body import apart
 from llsrbm.planning.whole_body import start as start_module
 from llsrbm.planning.whole_body.apart import BETWEEN, FAR, Apart
 from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.refine import refined
 from llsrbm.planning.whole_body.start import start_of, trunk_room
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 
 
 @pytest.fixture(scope="module")
-def start():
-    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
+def plan():
+    return llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
+
+
+@pytest.fixture(scope="module")
+def start(plan):
     return start_of(plan, load_robot("go2"), Grid.of(plan))
 
 
@@ -44,9 +49,8 @@ def test_they_tell_how_near_things_are_beside_the_motion(start):
     np.testing.assert_allclose(expected[known], there.least[known], atol=1e-5)
 
 
-def test_the_box_that_is_jumped_onto_is_among_them(monkeypatch):
+def test_the_box_that_is_jumped_onto_is_among_them(monkeypatch, plan):
     monkeypatch.setattr(apart, "NEAR", 0.15)  # its trunk passes it by some 10 cm
-    plan = llsrbm.plan(llsrbm.Jump(robot="go2", height=0.2, forward=0.25), draft=True)
     start = start_of(plan, load_robot("go2"), Grid.of(plan))
     assert "box" in [solid.name for solid in start.solids]
     of_base = np.abs(start.apart.slope[:, :, :3]).max(axis=(1, 2))
@@ -61,10 +65,11 @@ def lowest_once_landed(plan):
 
 def test_once_it_has_landed_the_trunk_keeps_from_the_ground(monkeypatch):
     jump = llsrbm.Jump(robot="go2", twist=3.01, forward=-0.07, lateral=-0.24, height=0.07)
-    keeps = llsrbm.plan(jump)
-    assert keeps.certified
+    draft = llsrbm.plan(jump, draft=True)
+    keeps = refined(draft)
+    assert keeps.refined
     monkeypatch.setattr(start_module, "SINKS", 0.0)
-    assert lowest_once_landed(keeps) > lowest_once_landed(llsrbm.plan(jump)) + 0.008
+    assert lowest_once_landed(keeps) > lowest_once_landed(refined(draft)) + 0.008
 
 
 def test_the_trunk_keeps_away_after_every_flight_and_not_before():

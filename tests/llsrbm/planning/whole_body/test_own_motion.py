@@ -1,7 +1,6 @@
 """Plans of models for comparison: the model's own motion, brought to what the body can do."""
 
 import numpy as np
-import pytest
 
 import llsrbm
 from llsrbm.motion.sampling import resample
@@ -24,9 +23,8 @@ def away(draft):
     return feet.max(), base.max()
 
 
-@pytest.mark.parametrize("model", ["srbm", "llsrbm"])
-def test_feet_and_base_fly_as_the_model_has_them(model, monkeypatch):
-    draft = llsrbm.plan(llsrbm.Jump(robot="anymal", model=model, twist=0.8), draft=True)
+def test_feet_and_base_fly_as_the_model_has_them(monkeypatch):
+    draft = llsrbm.plan(llsrbm.Jump(robot="anymal", model="srbm", twist=0.8), draft=True)
     feet, base = away(draft)
     assert feet < 0.03
     assert base < 0.015

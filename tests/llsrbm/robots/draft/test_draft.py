@@ -13,27 +13,12 @@ from llsrbm.robots import draft, load_robot
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.urdf import package_share
-
-PACKAGE = "example-robot-data"
-QUADRUPEDS = {
-    "a1": "a1_description/urdf/a1.urdf",
-    "hyq": "hyq_description/robots/hyq_no_sensors.urdf",
-    "anymal_c": "anymal_c_simple_description/urdf/anymal.urdf",
-    "solo12": "solo_description/robots/solo12.urdf",
-}
-G1 = "g1_description/urdf/g1_29dof_rev_1_0.urdf"
+from tests.llsrbm.robots.draft.first_files import PACKAGE, URDFS, first_file, written
 
 
-def written(path, *arguments):
-    """The robot of a file that the command writes."""
-    assert main(["robot", "new", *arguments, "--out", str(path)]) == 0
-    return load_robot(str(path))
-
-
-@pytest.fixture(scope="module", params=QUADRUPEDS)
-def quadruped(request, tmp_path_factory):
-    path = tmp_path_factory.mktemp("draft") / f"{request.param}.toml"
-    return written(path, f"{PACKAGE}:{QUADRUPEDS[request.param]}", "--name", request.param)
+@pytest.fixture(params=["a1", "anymal_c", "solo12"])
+def quadruped(request):
+    return first_file(request.param).robot
 
 
 def test_legs_are_found_and_named_by_where_they_are(quadruped):
@@ -74,22 +59,21 @@ def test_flights_may_be_short_where_legs_are_slow_to_catch_a_fall(quadruped):
     assert quadruped.file.timing.flight[0] == (0.2 if slow else 0.3)
 
 
-def test_a_foot_that_is_a_disc_has_the_discs_radius(tmp_path):
-    solo = "solo_description/robots/solo12.urdf"
-    robot = written(tmp_path / "solo.toml", f"{PACKAGE}:{solo}")
-    assert robot.file.foot.radius == pytest.approx(0.016, abs=1e-4)
+def test_a_foot_that_is_a_disc_has_the_discs_radius():
+    radius = first_file("solo12").robot.file.foot.radius
+    assert radius == pytest.approx(0.016, abs=1e-4)
 
 
 def test_mirrored_hind_legs_bend_the_other_way(quadruped):
-    """Knees of ANYmal C, HyQ and Solo 12 point at each other, all others backward."""
+    """Knees of ANYmal C and Solo 12 point at each other, all others backward."""
     knees = np.sign(quadruped.posture[7:][quadruped.leg_joint_index][:, 2])
-    mirrored = quadruped.name in ("anymal_c", "hyq", "solo12")
+    mirrored = quadruped.name in ("anymal_c", "solo12")
     assert (knees == ([-1, -1, 1, 1] if mirrored else [-1, -1, -1, -1])).all()
 
 
 def test_a_biped_stands_on_its_soles(tmp_path):
     urdf = assets_directory() / "slider" / "slider.urdf"
-    drafted = written(tmp_path / "biped.toml", str(urdf))
+    drafted = written(tmp_path / "biped.toml", str(urdf)).robot
     tuned = load_robot("slider")
     assert [leg.name for leg in drafted.legs] == [leg.name for leg in tuned.legs]
     assert drafted.file.foot.corners == tuned.file.foot.corners
@@ -97,19 +81,15 @@ def test_a_biped_stands_on_its_soles(tmp_path):
     assert drafted.file.limits.torque == tuned.file.limits.torque
 
 
-def test_the_file_says_what_is_guessed(tmp_path):
-    path = tmp_path / "a1.toml"
-    written(path, f"{PACKAGE}:{QUADRUPEDS['a1']}")
-    text = path.read_text()
+def test_the_file_says_what_is_guessed():
+    text = first_file("a1").text
     assert text.lower().count("guessed:") >= 5
-    assert tomllib.loads(text)["urdf"] == {"package": PACKAGE, "path": QUADRUPEDS["a1"]}
+    assert tomllib.loads(text)["urdf"] == {"package": PACKAGE, "path": URDFS["a1"]}
 
 
-@pytest.fixture(scope="module")
-def humanoid(tmp_path_factory):
-    """G1's first file."""
-    path = tmp_path_factory.mktemp("draft") / "g1.toml"
-    return written(path, f"{PACKAGE}:{G1}")
+@pytest.fixture
+def humanoid():
+    return first_file("g1").robot
 
 
 def test_a_humanoids_soles_are_found(humanoid):
@@ -162,7 +142,7 @@ def test_a_humanoids_arms_reach_as_far_as_the_tuned_file_has_it(humanoid):
 def test_grippers_and_fingers_are_held_too():
     """Talos' arms of seven joints end in a gripper, and its torso carries a head as well."""
     share = package_share(PACKAGE, Path("draft"))
-    urdf = share / PACKAGE / "robots" / "talos_data/robots/talos_reduced.urdf"
+    urdf = share / PACKAGE / "robots" / URDFS["talos"]
     anatomy = draft.read_anatomy(urdf)
     assert [len(arm.joint_ids) for arm in anatomy.arms] == [4, 4]
     assert anatomy.arms[0].hand == "gripper_left_base_link"
@@ -251,7 +231,7 @@ def test_a_sole_whose_frame_is_elsewhere_gets_one_on_the_ground(tmp_path, turn):
         (["no.urdf"], "no such file; expected a URDF"),
         (["nothing-here:a.urdf"], 'no robot data of a package "nothing-here"'),
         ([f"{PACKAGE}:nothing.urdf"], "no such file; expected a URDF"),
-        ([f"{PACKAGE}:{QUADRUPEDS['a1']}", "--name", "A 1"], "expected lower case letters"),
+        ([f"{PACKAGE}:{URDFS['a1']}", "--name", "A 1"], "expected lower case letters"),
     ],
 )
 def test_bad_input_is_one_line(arguments, said, tmp_path, capsys):
@@ -264,7 +244,7 @@ def test_bad_input_is_one_line(arguments, said, tmp_path, capsys):
 def test_a_file_that_is_there_is_kept(tmp_path, capsys):
     path = tmp_path / "a1.toml"
     path.write_text("mine")
-    command = ["robot", "new", f"{PACKAGE}:{QUADRUPEDS['a1']}", "--out", str(path)]
+    command = ["robot", "new", f"{PACKAGE}:{URDFS['a1']}", "--out", str(path)]
     assert main(command) == 2
     assert "expected --force" in capsys.readouterr().err
     assert path.read_text() == "mine"
@@ -285,7 +265,7 @@ INERTIA = """<inertial><origin xyz="0 0 -0.05"/><mass value="{m}"/>
     <inertia ixx="{i}" iyy="{i}" izz="{i}" ixy="0" ixz="0" iyz="0"/></inertial>"""
 
 
-def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path, capsys):
+def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path):
     """Its drives are said to differ in one leg."""
     legs = "".join(
         QUAD_LEG.format(
@@ -303,7 +283,8 @@ def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path, ca
     <geometry><box size="0.4 0.2 0.1"/></geometry></collision></link>"""
     urdf = tmp_path / "quad.urdf"
     urdf.write_text(f'<robot name="quad">{trunk}{legs}</robot>')
-    robot = written(tmp_path / "quad.toml", str(urdf))
+    found = written(tmp_path / "quad.toml", str(urdf))
+    robot = found.robot
     assert [leg.foot_frame for leg in robot.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]
     np.testing.assert_allclose(robot.joint_stops, np.outer([-np.pi, np.pi], np.ones(12)))
     # Of 0.4 m of leg, however far hips that turn all the way round take it from where they rest.
@@ -312,5 +293,5 @@ def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path, ca
     assert frame.link == "fl_calf"
     assert frame.xyz == pytest.approx((0, 0, -0.2), abs=0.01)
     said = "torque as of leg FL, the URDF has 0 for hr_0, 0 for hr_1, 0 for hr_2"
-    assert said in capsys.readouterr().out
-    assert said in robot.path.read_text()
+    assert said in found.said
+    assert said in found.text

@@ -5,7 +5,6 @@ import tomllib
 import numpy as np
 import pytest
 
-from llsrbm.cli import main
 from llsrbm.mechanics import GRAVITY
 from llsrbm.robots import load_robot
 from llsrbm.robots.draft.turning import (
@@ -17,29 +16,14 @@ from llsrbm.robots.draft.turning import (
     left_out,
     turning_table,
 )
-
-PACKAGE = "example-robot-data"
-FLIPPING = {"go2": "go2_description/urdf/go2.urdf", "go1": "go1_description/urdf/go1.urdf"}
-FLIPPING["a1"] = "a1_description/urdf/a1.urdf"
-TOO_WEAK = {
-    "anymal": "anymal_b_simple_description/robots/anymal.urdf",
-    "anymal_c": "anymal_c_simple_description/urdf/anymal.urdf",
-}
-NO_DRIVES = "solo_description/robots/solo12.urdf"
+from tests.llsrbm.robots.draft.first_files import first_file
 
 
-def drafted(path, urdf):
-    """Text of the file that the command writes."""
-    assert main(["robot", "new", f"{PACKAGE}:{urdf}", "--name", "x", "--out", str(path)]) == 0
-    return path.read_text()
-
-
-@pytest.mark.parametrize("robot", FLIPPING)
-def test_robots_that_flip_get_a_table_like_their_own(robot, tmp_path):
-    path = tmp_path / "x.toml"
-    text = drafted(path, FLIPPING[robot])
-    assert "Guessed: a flip takes" in text.partition("[turning]")[0].splitlines()[-1]
-    table, own = load_robot(str(path)).file.turning, load_robot(robot).file.turning
+@pytest.mark.parametrize("name", ["a1", "go1"])
+def test_robots_that_flip_get_a_table_like_their_own(name):
+    found = first_file(name)
+    assert "Guessed: a flip takes" in found.text.partition("[turning]")[0].splitlines()[-1]
+    table, own = found.robot.file.turning, load_robot(name).file.turning
     assert table.axes == ("pitch",)
     for name in ("distance", "lower", "upper"):
         np.testing.assert_allclose(getattr(table.reach, name), getattr(own.reach, name), atol=0.021)
@@ -47,19 +31,18 @@ def test_robots_that_flip_get_a_table_like_their_own(robot, tmp_path):
     assert table.timing.takeoff == own.timing.takeoff
 
 
-@pytest.mark.parametrize("robot", TOO_WEAK)
-def test_weak_robots_get_none_and_a_line_that_says_why(robot, tmp_path, capsys):
-    text = drafted(tmp_path / "x.toml", TOO_WEAK[robot])
-    assert "turning" not in tomllib.loads(text)
-    (line,) = [line for line in text.splitlines() if line.startswith("# No [turning]: ")]
+def test_weak_robots_get_none_and_a_line_that_says_why():
+    found = first_file("anymal_c")
+    assert "turning" not in tomllib.loads(found.text)
+    (line,) = [line for line in found.text.splitlines() if line.startswith("# No [turning]: ")]
     assert "times as much; robots that flip have" in line
-    assert line.removeprefix("# No [turning]: ").rstrip(".") in capsys.readouterr().out
+    assert line.removeprefix("# No [turning]: ").rstrip(".") in found.said
 
 
-def test_no_flips_by_drives_that_are_guessed(tmp_path, capsys):
-    text = drafted(tmp_path / "x.toml", NO_DRIVES)
-    assert "# No [turning]: the URDF's drives are none" in text
-    assert "left out turning: the URDF's drives are none" in capsys.readouterr().out
+def test_no_flips_by_drives_that_are_guessed():
+    found = first_file("solo12")
+    assert "# No [turning]: the URDF's drives are none" in found.text
+    assert "left out turning: the URDF's drives are none" in found.said
 
 
 def test_shipped_robots_without_flips_are_refused_by_the_estimate():
