@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.analysis.summaries import planned_peak_load, planned_torque_shares
-from tests.llsrbm.synthetic import JOINT_NAMES, TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
+from tests.llsrbm.synthetic import TWO_HOPS, TWO_HOPS_DURATIONS, synthetic_plan
 
 
 @pytest.fixture(scope="module")
@@ -65,11 +65,6 @@ def test_a_joint_that_is_too_fast_for_any_torque(plan):
     assert peak.in_words(frozenset({"RF_A"})) == (
         "0 of 0 N in flight at 0.75 s (too fast for any torque)"
     )
-
-
-def test_every_joints_share(plan):
-    shares = planned_torque_shares(loaded(plan, 3, 2, -34.0))
-    assert shares == dict.fromkeys(JOINT_NAMES, 1 / 40) | {"LF_C": 0.85}
 
 
 def test_what_is_not_known(plan):

@@ -26,7 +26,7 @@ def touches(robot, axis, side, place):
     return bool((scene.model.geom_bodyid[touching] == base).any())
 
 
-@pytest.mark.parametrize("name", ["anymal", "go2", "slider"])
+@pytest.mark.parametrize("name", ["anymal", "slider"])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_the_trunk_ends_where_its_box_does(name, axis):
     robot = load_robot(name)

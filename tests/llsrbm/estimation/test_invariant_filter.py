@@ -19,7 +19,7 @@ BOTH = np.ones(LEGS, dtype=bool)
 SMALL = 1e-6
 
 seeds = st.integers(0, 10_000)
-few = settings(max_examples=25, deadline=None)
+few = settings(max_examples=10, deadline=None)
 
 
 def belief(seed):

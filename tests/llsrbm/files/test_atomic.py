@@ -142,7 +142,7 @@ class TestFiles:
         (tmp_path / "round").symlink_to("round")
         assert refusal(tmp_path / "round")
 
-    @pytest.mark.parametrize("mask", [0o022, 0o077, 0o002])
+    @pytest.mark.parametrize("mask", [0o022, 0o077])
     def test_permissions_are_those_of_any_new_file_and_folder(self, tmp_path, mask):
         with umask(mask):
             write(tmp_path / "file")
@@ -233,15 +233,14 @@ class TestWhatGoesWrong:
         assert said.startswith(f"InputError: cannot write {path / 'x'}: Permission denied")
         assert names(path) == []
 
-    @pytest.mark.parametrize("moment", ["draft.write_bytes(b'half')", "draft.touch()"])
-    def test_killed_in_the_middle(self, tmp_path, moment):
+    def test_killed_in_the_middle(self, tmp_path):
         """The old file stays; a hidden folder is left, which nothing takes for a file of ours."""
         write(tmp_path / "x", b"old")
         program = (
             "import os, signal, sys\n"
             "from llsrbm.files.atomic import staged\n"
             "with staged(sys.argv[1]) as draft:\n"
-            f"    {moment}\n"
+            "    draft.write_bytes(b'half')\n"
             "    os.kill(os.getpid(), signal.SIGKILL)\n"
         )
         killed = subprocess.run([sys.executable, "-c", program, str(tmp_path / "x")], check=False)

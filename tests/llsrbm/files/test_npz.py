@@ -27,7 +27,7 @@ from tests.llsrbm.hostile import (
     zipped,
 )
 
-EACH = 30
+EACH = 12
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def test_damage_is_a_line_or_harmless(seeds, tmp_path, kind):
 
 
 def test_damaged_designs():
-    for number in range(300):
+    for number in range(100):
         content = damaged_design(np.random.default_rng([7, number]))
         assert outcome_of_design(content) in SOUND, number
 
@@ -105,7 +105,7 @@ def test_bytes_beyond_those_of_the_header(plan, tmp_path):
 
 
 @pytest.mark.parametrize("key", ["schema", "meta", "joint_names"])
-@pytest.mark.parametrize("letter", [0xD800, 0x110000, 0xFFFFFFFF])
+@pytest.mark.parametrize("letter", [0xD800, 0xFFFFFFFF])
 def test_text_of_numbers_that_are_no_letters(plan, tmp_path, key, letter):
     letters = plan[key].copy().reshape(-1).view(np.uint32)
     letters[1] = letter
@@ -138,11 +138,10 @@ class TestSizes:
             said = said_of(too_large, tmp_path, largest=100_000)
             assert "at most 100000 are read" in said
 
-    @pytest.mark.parametrize("frames", [100_000, 2_000_000])
-    @pytest.mark.parametrize("dtype", [np.int8, np.float16, bool])
     @pytest.mark.parametrize("key", ["qpos", "joint_pos", "com"])
-    def test_small_numbers_are_counted_as_they_are_used(self, plan, tmp_path, key, dtype, frames):
+    def test_small_numbers_are_counted_as_they_are_used(self, plan, tmp_path, key):
         """A float64 takes eight times the room of the int8 in the file."""
+        frames, dtype = 2_000_000, np.int8
         wide = {key: np.zeros((frames, 19), dtype)}
         arrays = {**plan, **wide} if key == "com" else wide
         if key == "joint_pos":

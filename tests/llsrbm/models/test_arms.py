@@ -5,7 +5,6 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.errors import InputError
 from llsrbm.models import free_arms_of, make_model
 from llsrbm.models.base import no_lift
 from llsrbm.request.jump import Jump
@@ -43,7 +42,7 @@ def columns(*values):
     return [np.array(ca.DM(value)) for value in values]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_what_arms_add_is_exact(seed):
     """What is left is the legs' maps: the same with arms as they hang, at rest."""
     x, still = standing_feet(), np.zeros(8)
@@ -66,7 +65,7 @@ def test_what_arms_add_is_exact(seed):
     assert np.linalg.norm(momentum) < 0.05 * np.linalg.norm(by_rates) + np.linalg.norm(legs[2])
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_torques_are_those_of_inverse_dynamics(seed):
     angles, rates, accelerations, omega = moving(seed)
     force, turning = np.array([1.0, -2.0, 15.0]), np.array([20.0, -30.0, 80.0])
@@ -118,8 +117,3 @@ def test_held_arms_are_part_of_the_base():
 )
 def test_arms_move_where_there_are_some_and_the_model_can(request_, free):
     assert free_arms_of(request_, load_robot(request_.robot)) is free
-
-
-def test_a_model_that_is_none_is_named():
-    with pytest.raises(InputError, match='no model "lumps"'):
-        free_arms_of(Jump(robot="g1", model="lumps"), ROBOT)

@@ -30,7 +30,7 @@ every_model = pytest.mark.parametrize(
     ("robot", "model"),
     [pytest.param(robot, m, id=f"{robot.name}-{name}") for (robot, name), m in MODELS.items()],
 )
-quickly = settings(max_examples=40, deadline=None)
+quickly = settings(max_examples=10, deadline=None)
 
 
 def column(matrix) -> np.ndarray:

@@ -5,13 +5,13 @@ import numpy as np
 import pytest
 
 from llsrbm.models.drive_losses import DriveLosses
-from llsrbm.robots import load_robot, names
+from llsrbm.robots import load_robot
 from llsrbm.robots.drives.torques import friction_torque
 
 SHARES = np.linspace(-1, 1, 2001)  # of the speed limit
 
 
-@pytest.fixture(params=names())
+@pytest.fixture(params=["go2", "slider"])
 def robot(request):
     return load_robot(request.param)
 

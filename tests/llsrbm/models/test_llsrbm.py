@@ -11,7 +11,6 @@ from tests.llsrbm.models.postures import (
     evaluate_momentum,
     feet_in_reach,
     feet_of,
-    random_motions,
     standing_feet_in_hip,
 )
 
@@ -36,7 +35,7 @@ def test_agrees_with_the_urdf_in_the_default_posture():
     np.testing.assert_allclose(seen, standing_feet_in_hip(), atol=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(x=feet_in_reach())
 def test_body_and_point_masses_make_the_inertia_and_the_com(x):
     """Equations 3, 5 and 6 in the base frame, the base's own body taken from the URDF's whole."""
@@ -69,14 +68,3 @@ def test_legs_carry_no_momentum():
     rng = np.random.default_rng(2)
     x, xdot, w = rng.normal(size=(3, LEGS, 3)), rng.normal(size=(3, LEGS, 3)), np.zeros((3, 3))
     np.testing.assert_array_equal(evaluate_momentum(MODEL, x, xdot, w), 0.0)
-
-
-def test_nearer_to_the_truth_than_a_single_body_in_roll_and_pitch():
-    """Over random postures; about z the knees, which go outward as feet draw in, spoil it."""
-    motions = random_motions(100, seed=5)
-    beta = np.array([m.beta for m in motions])
-    feet = feet_of(MODEL, beta)
-    true = np.array([m.inertia for m in motions])
-    error = np.linalg.norm(evaluate(MODEL, feet)[1] - true, axis=(1, 2)).mean()
-    single = np.linalg.norm(ROBOT.inertia - true, axis=(1, 2)).mean()
-    assert error < 0.8 * single

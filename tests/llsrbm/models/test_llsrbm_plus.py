@@ -11,7 +11,6 @@ from hypothesis import given, settings
 from llsrbm.models.llsrbm import LLSRBM, SRBM
 from llsrbm.models.llsrbm_plus import LLSRBMPlus
 from tests.llsrbm.models.postures import (
-    LEGS,
     ROBOT,
     SLIDER,
     evaluate,
@@ -87,14 +86,7 @@ def test_a_soles_own_turn_counts():
     assert h == pytest.approx([0.0, 0.0, 0.017 * (2.0 + 3.0)], abs=2e-3)
 
 
-def test_leg_coms(motions):
-    true = np.array([m.leg_com for m in motions])
-    error = np.linalg.norm(evaluate(MODEL, seen_by(MODEL, motions)[0])[2] - true, axis=-1)
-    assert np.sqrt(np.mean(error**2)) < 0.008
-    assert error.max() < 0.03
-
-
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(x=feet_in_reach(), xdot=rates())
 def test_the_com_moves_as_its_map_says(x, xdot):
     step = 1e-6
@@ -104,14 +96,3 @@ def test_the_com_moves_as_its_map_says(x, xdot):
         )
         rate = np.array(MODEL.leg_com_rate(ca.DM(foot), ca.DM(speed)))
         np.testing.assert_allclose(rate, (ahead - behind) / (2 * step), atol=1e-8)
-
-
-@settings(max_examples=40, deadline=None)
-@given(x=feet_in_reach())
-def test_com_definition_holds_for_the_affine_legs(x):
-    """Eq. 3 in the base frame: trunk and legs, at the affine map's places, balance about -o."""
-    fit = ROBOT.fit
-    d = fit.hips + fit.mirrors * (fit.com_affine[0] + x @ fit.com_affine[1:])
-    com = (fit.trunk_mass * fit.trunk_com + fit.leg_mass * d.sum(axis=0)) / ROBOT.mass
-    np.testing.assert_allclose(evaluate(MODEL, x[None])[0][0], -com, atol=1e-12)
-    assert len(d) == LEGS

@@ -6,8 +6,6 @@ from tests.llsrbm.models.postures import (
     ROBOT,
     evaluate,
     evaluate_momentum,
-    feet_of,
-    standing_feet_in_hip,
 )
 
 MODEL = SRBM(ROBOT)
@@ -32,8 +30,3 @@ def test_momentum_is_inertia_times_rate():
     np.testing.assert_allclose(
         evaluate_momentum(MODEL, x, xdot, w), w @ ROBOT.inertia.T, atol=1e-13
     )
-
-
-def test_feet_of_the_default_posture():
-    seen = feet_of(MODEL, (ROBOT.feet - ROBOT.com)[None])[0]
-    np.testing.assert_allclose(seen, standing_feet_in_hip(), atol=1e-12)

@@ -68,7 +68,7 @@ def test_momenta_agree_with_an_integrator(plan):
         np.testing.assert_allclose(motion.linear_momentum, mass * truth[:, 3:6], atol=1e-8)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(twist=st.floats(-np.pi, np.pi), seed=st.integers(0, 1000))
 def test_attitude_is_scipys_slerp_whatever_the_signs(twist, seed):
     plan = synthetic_plan(twist=twist)
@@ -187,7 +187,7 @@ def test_times_that_are_no_list_of_numbers(plan, times):
 
 
 @given(fps=st.floats(0.5, 1000), durations=st.tuples(*[st.floats(0.05, 1)] * 3))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_instants_with_events(fps, durations):
     plan = synthetic_plan(durations=durations, intervals=2)
     times = with_events(plan, fps)
@@ -200,7 +200,7 @@ def test_instants_with_events(fps, durations):
 
 
 @given(fps=st.floats(0.5, 1000), pad=st.floats(0, 3))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_even_instants_hold_the_whole_motion(fps, pad):
     plan = synthetic_plan(intervals=2)
     times = evenly(plan, fps, pad)

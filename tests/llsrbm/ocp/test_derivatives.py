@@ -49,7 +49,7 @@ def functions(z, lift, numbers, outputs, symbolic):
     return ca.Function("found", arguments, [values, ca.densify(J), ca.densify(H)])
 
 
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(graph=graphs, point=points, symbolic=st.sampled_from([ca.MX, ca.SX]))
 def test_random_graphs(graph, point, symbolic):
     z = ca.SX.sym("z", VARIABLES)

@@ -41,11 +41,6 @@ def test_an_example_is_within_what_may_be_asked(name):
     assert scenario.board <= robot.file.limits.clearance
 
 
-def test_the_pirouette_is_the_robots_own_example_with_free_arms():
-    jump = find_design("g1-pirouette").jump
-    assert (jump.robot, round(jump.twist, 4), jump.arms) == ("g1", 2.0944, "free")
-
-
 def test_an_unknown_name_is_answered_with_the_known_ones():
     with pytest.raises(InputError, match=r'no design "box"; .*valid: anymal-twist, slider-twist'):
         find_design("box")

@@ -52,10 +52,3 @@ def test_what_is_no_push(text):
 )
 def test_numbers_that_make_no_sense(text, said):
     assert refused(parse_push, text) == said
-
-
-@pytest.mark.parametrize(
-    "impulse", [3, "abc", (1, 2), (1, 2, 3, 4), (1, 2, "3"), (1, 2, True), None]
-)
-def test_an_impulse_is_three_numbers(impulse):
-    assert refused(Push, 0.4, impulse).startswith("push: impulse: expected three finite numbers")

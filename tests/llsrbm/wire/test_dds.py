@@ -62,7 +62,7 @@ def still(robot):
     return Readings(0.0, up, np.zeros(3), np.zeros(3), robot.posture[7:], zero, zero, None)
 
 
-@pytest.mark.parametrize("robot", [GO2, G1], ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", [GO2], ids=lambda robot: robot.name)
 class TestTheRobotsOwnController:
     def test_it_is_released_before_anything_is_sent(self, robot, domain):
         end, link = DdsRobot(robot, "lo", domain, "normal"), DdsLink(robot, "lo", domain)

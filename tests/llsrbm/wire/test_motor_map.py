@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from llsrbm.errors import InputError, RobotFileError
@@ -23,7 +23,7 @@ SOLO_REVERSED = [0, 1, 1, 1, 0, 0, 0, 1, 1, 1, 0, 0]
 WITH_WIRE = [name for name, path in robot_files().items() if "[wire]" in path.read_text()]
 
 
-@pytest.mark.parametrize("name", ["go2", "go1", "a1"])
+@pytest.mark.parametrize("name", ["go2"])
 def test_quadrupeds_of_unitree_have_their_right_front_hip_first(name):
     motors = MotorMap.of(load_robot(name))
     assert (motors.family, motors.count) == ("unitree_go", 20)
@@ -70,6 +70,7 @@ def test_solo12_as_its_published_configuration_has_it():
 
 
 @pytest.mark.parametrize("name", WITH_WIRE)
+@settings(max_examples=10)
 @given(seed=st.integers(0, 2**32 - 1), rows=st.integers(1, 3))
 def test_there_and_back_is_where_it_began(name, seed, rows):
     robot = load_robot(name)

@@ -22,7 +22,7 @@ PARTS = ("twist", "forward", "lateral", "height")
 requests = st.builds(Jump, **{name: st.floats(*getattr(ASKED, name)) for name in PARTS})
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(jump=requests)
 def test_the_goal_is_the_standing_robot_moved(jump):
     task = make_task(jump, ROBOT)
@@ -39,7 +39,7 @@ def test_the_goal_is_the_standing_robot_moved(jump):
 
 
 @given(twist=st.floats(ASKED.twist[0], ASKED.twist[1] - 1e-3), step=st.floats(1e-6, 1e-3))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 def test_the_goal_quaternion_never_jumps(twist, step):
     one, two = (make_task(Jump(twist=t), ROBOT).goal_quat for t in (twist, twist + step))
     assert np.linalg.norm(two - one) <= step
