@@ -92,7 +92,7 @@ def test_files_with_wrong_bytes(whole, tmp_path):
     content = path.read_bytes()
     damaged = tmp_path / path.name
     refused = 0
-    for seed in range(150):
+    for seed in range(40):
         rng = np.random.default_rng(seed)
         wrong = bytearray(content)
         for _ in range(rng.integers(1, 5)):
@@ -101,4 +101,4 @@ def test_files_with_wrong_bytes(whole, tmp_path):
             wrong[-rng.integers(1, last + 1)] = rng.integers(256)
         damaged.write_bytes(wrong)
         refused += not opened_or_refused(damaged, format=name, fps=10)
-    assert refused > 20
+    assert refused > 5

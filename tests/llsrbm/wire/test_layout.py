@@ -21,7 +21,7 @@ from tests.llsrbm.wire.unitree_reference import (
 
 LAYOUTS = [layout for family in FAMILIES.values() for layout in family]
 each_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda layout: layout.type_name)
-COUNT = 2500  # of each of four types: ten thousand
+COUNT = 500  # of each of four types
 
 
 @each_layout

@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm.errors import FileFormatError
@@ -49,14 +48,6 @@ def test_rows_are_the_simulators_states(name, rows):
     robot = load_robot(name)
     wanted = by_name(rollout.joint_names, robot.joint_names, qpos[:, 7:])
     np.testing.assert_allclose(here[:, 7:], wanted, atol=1e-6)
-
-
-def test_the_quaternion_ends_with_w_and_does_not_jump(name, rows):
-    quat = rows[:, 3:7]
-    np.testing.assert_allclose(quat[0], [0, 0, 0, 1], atol=0.02)
-    assert (np.sum(quat[1:] * quat[:-1], axis=1) > 0.9).all()
-    yaw = np.unwrap(Rotation.from_quat(quat).as_euler("zyx")[:, 0])
-    assert yaw[-1] == pytest.approx(planned(name).jump.twist, abs=0.1)
 
 
 def test_what_stands_beside(name, file):

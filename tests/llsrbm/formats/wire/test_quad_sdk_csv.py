@@ -9,7 +9,7 @@ from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import load_plan
-from tests.llsrbm.formats.wire.jumps import beside, jump, rate_of, read_table, torques_of
+from tests.llsrbm.formats.wire.jumps import jump, rate_of, read_table, torques_of
 
 # quad_msgs: LegCommandArray has FL, BL, FR, BR; LegCommand abduction, hip, knee; MotorCommand
 # these fields.
@@ -58,14 +58,6 @@ def test_motors_get_what_their_joints_do(kind, path):
             np.testing.assert_allclose(given["torque_ff"][inside], wanted, atol=1e-4)
             assert set(given["kp"]) == {60}
             assert set(given["kd"]) == {3}
-
-
-def test_what_stands_beside(path):
-    told = beside(path)
-    assert told["joint_order"][:4] == [
-        "FL_hip_joint", "FL_thigh_joint", "FL_calf_joint", "RL_hip_joint",
-    ]  # fmt: skip
-    assert told["columns"] == list(read_table(path))
 
 
 def test_a_biped_has_no_such_legs(tmp_path):
