@@ -31,6 +31,16 @@ def test_stands_still_after_the_end(plan, reference):
     np.testing.assert_allclose(target.contact_force.sum(axis=0), [0, 0, WEIGHT])
 
 
+def test_stands_still_before_the_start(plan, reference):
+    target, first = reference.at(-0.3), reference.at(0.0)
+    np.testing.assert_allclose(target.com, plan.com[0])
+    assert first.com_acceleration.any()  # as the plan begins
+    for name in ("com_velocity", "com_acceleration", "angular_acceleration", "joint_velocity"):
+        assert not getattr(target, name).any()
+    assert not target.foot_acceleration_from_com.any()
+    np.testing.assert_allclose(target.contact_force.sum(axis=0), [0, 0, WEIGHT])
+
+
 def test_attitude_turns_at_the_angular_velocity(reference):
     dt = 0.05
     for t in (0.2, 0.6, 1.2):

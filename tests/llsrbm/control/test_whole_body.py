@@ -2,6 +2,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import foot_contacts
 from tests.llsrbm.control.bodies import ROBOTS, moved, state
@@ -41,6 +42,16 @@ def test_centroidal_quantities_follow_from_the_momentum_matrix():
     momentum = body.momentum_matrix @ v
     np.testing.assert_allclose(momentum[:3], robot.mass * body.com_velocity, atol=1e-9)
     np.testing.assert_allclose(momentum[3:], body.angular_momentum, atol=1e-9)
+
+
+def test_momenta_alone_are_those_of_the_whole_state():
+    whole, alone = WholeBody(load_robot("anymal")), WholeBody(load_robot("anymal"))
+    whole.update(*state(3))
+    alone.update(*state(4))
+    alone.update_momentum(*state(3))
+    names = ("com", "com_velocity", "angular_momentum", "inertia", "trunk_momentum")
+    for name in names:
+        np.testing.assert_allclose(getattr(alone, name), getattr(whole, name), atol=1e-12)
 
 
 @pytest.mark.parametrize("name", ROBOTS)

@@ -10,6 +10,7 @@ from tests.llsrbm.formats.wire.jumps import (
     beside,
     jump,
     rate_of,
+    read_table,
     torques_of,
 )
 
@@ -53,6 +54,11 @@ def test_joints_get_what_they_do(kind, path):
     np.testing.assert_array_equal(given["kd"], 0.1)
 
 
+def test_the_header_says_so(path):
+    table = read_table(path)
+    assert list(table) == ["time", *(f"{call}/{joint}" for call in CALLS for joint in JOINTS)]
+
+
 def test_the_configuration_is_the_published_one(path):
     told = beside(path)
     assert told["joint_order"] == JOINTS
@@ -63,6 +69,11 @@ def test_the_configuration_is_the_published_one(path):
     assert told["max_currents"] == [8.0] * 12
     largest = np.abs(calls(path)[1]["torque"]).max(axis=0) / (9 * 0.025)
     np.testing.assert_allclose(told["largest_currents"], largest, rtol=1e-6)
+
+
+def test_1000_rows_a_second(tmp_path):
+    export(planned("solo12"), tmp_path / "x.csv", format="odri-csv")
+    np.testing.assert_allclose(np.diff(calls(tmp_path / "x.csv")[0]), 0.001, atol=1e-7)
 
 
 def test_robots_of_others(tmp_path):
