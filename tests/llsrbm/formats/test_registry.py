@@ -31,6 +31,10 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 # What keeps formats that take long short, given to those that take it.
 QUICK = {"fps": 10.0, "size": (64, 48)}
 PICTURES = ("mp4", "gif", "html")
+# Films take a process each that draws; `pictures/test_video.py` writes both.
+without_films = pytest.mark.parametrize(
+    "format_", [name for name in FORMATS if name not in ("mp4", "gif")], indirect=True
+)
 
 
 OF_OTHERS = {"odri-csv": "solo12"}  # formats that are not for Go2
@@ -95,6 +99,7 @@ def test_its_description(format_):
     assert set(format_.options) <= set(Options.__dataclass_fields__)
 
 
+@without_films
 def test_it_writes_what_it_holds_and_nothing_else(format_, plan, tmp_path):
     trajectory = simulated(plan)
     path = tmp_path / f"x{format_.suffix}"
@@ -111,6 +116,7 @@ def test_it_writes_what_it_holds_and_nothing_else(format_, plan, tmp_path):
         assert sorted(tmp_path.iterdir()) == sorted([path, *left])
 
 
+@without_films
 def test_any_name_will_do(format_, plan, tmp_path):
     """Formats must not depend on what the file is called."""
     name = f"é {format_.name}"

@@ -50,7 +50,7 @@ def video(motion, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def animation(motion, tmp_path_factory):
-    path = tmp_path_factory.mktemp("gif") / "x.gif"
+    path = tmp_path_factory.mktemp("gif") / "é"  # any name will do
     export(motion.rollout, path, format="gif", fps=FPS, size=SIZE)
     return path
 
@@ -121,7 +121,7 @@ def test_hundredths_of_a_second_do_not_drift():
 
 
 @needs_opengl
-@pytest.mark.parametrize("name", ["anymal", "slider"])
+@pytest.mark.parametrize("name", ["anymal"])
 def test_robots_have_their_colours(name):
     """Of the pictures of a standing robot, where it is, none is plain ground."""
     plan = motion_of(name).plan
@@ -155,7 +155,7 @@ def seen_at(view, points, size):
 
 
 @pytest.mark.parametrize("camera", [None, (-40.0, 20.0, 3.0)])
-@pytest.mark.parametrize("name", ["anymal", "slider"])
+@pytest.mark.parametrize("name", ["slider"])
 def test_the_robot_is_in_the_picture_all_the_time(name, camera):
     drawing = draw(motion_of(name).rollout, 20.0)
     view = view_of(drawing, 16 / 9, camera)
