@@ -1,28 +1,23 @@
 """`CertifiedPlanner`: the whole body's plan of a draft, again where its certificate fails."""
 
 from dataclasses import replace
-from functools import cache
 from threading import Event
 
 import pytest
 
-import llsrbm
 from llsrbm import certified_plan
 from llsrbm.certificate import certify
 from llsrbm.certified_plan import WITHOUT_ROWS, CertifiedPlanner
 from llsrbm.errors import Cancelled
+from tests.llsrbm.formats.jumps import planned
+from tests.llsrbm.player.stages import stored_plan
 
-JUMP = llsrbm.Jump(robot="go2", forward=0.2, twist=0.3)
 
-
-@cache
 def draft():
-    return llsrbm.plan(JUMP, draft=True)
+    return planned("go2")
 
 
-@cache
-def plan():
-    return llsrbm.plan(JUMP)
+plan = stored_plan  # of the same jump
 
 
 def test_a_plan_that_is_cancelled_while_it_is_checked_is_none(monkeypatch):
@@ -57,14 +52,14 @@ def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monke
         assert certify(found).holds
 
 
-@pytest.mark.parametrize("name", WITHOUT_ROWS)
-def test_power_that_no_row_holds_is_no_reason_for_a_finer_grid(monkeypatch, name):
+def test_power_that_no_row_holds_is_no_reason_for_a_finer_grid(monkeypatch):
     tried = []
 
     def judged(found, *_):
         tried.append(found)
         checks = dict(plan().certificate)
-        return replace(found, certificate={**checks, name: {**checks[name], "holds": False}})
+        broken = {name: {**checks[name], "holds": False} for name in WITHOUT_ROWS}
+        return replace(found, certificate=checks | broken)
 
     monkeypatch.setattr(certified_plan, "certified", judged)
     found = CertifiedPlanner(guesses=False).plan(draft())

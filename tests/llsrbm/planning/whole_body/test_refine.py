@@ -20,18 +20,19 @@ from llsrbm.robots import load_robot
 
 
 @cache
+def plans_and_motion():
+    first = llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.3, twist=0.4), draft=True)
+    refiner = refine.refiner_of(first)
+    return (first, refiner.refine(first), load_robot("go2")), refiner.last
+
+
 def plans():
     """A centroidal plan and the refined one, and the robot."""
-    first = llsrbm.plan(llsrbm.Jump(robot="go2", forward=0.3, twist=0.4), draft=True)
-    return first, refine.refined(first), load_robot("go2")
+    return plans_and_motion()[0]
 
 
-@cache
 def motion():
-    first, _, _ = plans()
-    refiner = refine.refiner_of(first)
-    refiner.refine(first)
-    return refiner.last
+    return plans_and_motion()[1]
 
 
 def test_it_converges_in_times_that_the_request_allows():
