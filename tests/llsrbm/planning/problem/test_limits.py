@@ -228,8 +228,6 @@ BINDING = {
     "flight_max": (0.305, duration(1), 1e-3),
     "landing_min": (0.7, duration(2), 1e-3),
     "landing_max": (0.55, duration(2), 1e-3),
-    "apex_min": (0.65, apex, 1e-3),
-    "apex_max": (0.62, apex, 1e-3),
     "reach_min": (0.3, shortest_leg, 1e-3),
     "reach_max": (0.5, longest_leg, 1e-3),
     "reach_x_min": (-0.1, box(np.min, 0), 1e-3),
@@ -249,12 +247,16 @@ BINDING = {
 TOGETHER = (
     (FORWARD, {}, ("takeoff_min", "flight_min", "landing_min", "clearance")),
     (FORWARD, {}, ("reach_x_min", "reach_x_max", "reach_z_min", "speed_share")),
-    (FORWARD, {}, ("reach_max", "reach_standing", "torque_share")),
-    (FORWARD, {}, ("apex_min", "drive_strength")),
+    (FORWARD, {}, ("reach_max",)),
+    (FORWARD, {}, ("reach_standing",)),
+    (FORWARD, {}, ("torque_share",)),
+    (FORWARD, {}, ("drive_strength",)),
     (FORWARD, SLOW, ("takeoff_max", "landing_max")),
-    (TWIST, {}, ("reach_y_min", "reach_y_max", "feet_apart", "friction")),
+    (TWIST, {}, ("reach_y_min", "reach_y_max")),
+    (TWIST, {}, ("feet_apart",)),
+    (TWIST, {}, ("friction",)),
     (FAR, {}, ("flight_max",)),
-    (HIGH, {}, ("apex_max", "reach_min")),
+    (HIGH, {}, ("reach_min",)),
     ({"height": 0.3, "forward": 0.4}, {}, ("reach_z_max",)),
 )
 
@@ -271,7 +273,7 @@ def plan_of(*, weight=None, **motion):
     return planned(motion, {} if weight is None else {"time": weight}, {})
 
 
-@pytest.mark.parametrize(("motion", "weights", "names"), TOGETHER, ids=lambda value: str(value))
+@pytest.mark.parametrize(("motion", "weights", "names"), TOGETHER, ids=str)
 def test_limits_bind_in_the_plan(motion, weights, names):
     """Measured in the plan's arrays: what was beyond a limit is at it, in the checks as well."""
     limits = {name: BINDING[name][0] for name in names}
@@ -307,7 +309,8 @@ def test_the_checks_use_the_changed_limit(name, value, measured):
 
 
 def test_every_limit_of_a_point_foot_is_measured():
-    # Knees and legs side by side are measured in `test_knees`, the battery in `motion/test_robot`.
-    others = {"foot_speed", "knee_margin", "legs_apart", "battery"}
+    # Knees and legs side by side are measured in `test_knees`, the battery in `motion/test_robot`,
+    # the apex in `whole_body/test_tops`.
+    others = {"foot_speed", "knee_margin", "legs_apart", "battery", "apex_min", "apex_max"}
     assert {*BINDING, *others} == set(limits_of(ANYMAL))
     assert sorted(name for _, _, names in TOGETHER for name in names) == sorted(BINDING)
