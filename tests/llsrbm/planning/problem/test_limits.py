@@ -163,10 +163,6 @@ def duration(phase):
     return lambda plan: np.diff(plan.phase_start)[phase]
 
 
-def apex(plan):
-    return plan.com[flying(plan), 2].max()
-
-
 def longest_leg(plan):
     return np.linalg.norm(plan.foot_in_hip[1:-1], axis=-1).max()
 
