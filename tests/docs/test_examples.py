@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
+import llsrbm
 from llsrbm.cli import main
 from llsrbm.installed import assets_directory
 from llsrbm.request import jump_types
@@ -23,6 +24,22 @@ WITH_SHELL = [page for page in PAGES if any(b.note == "run" for b in blocks(page
 
 def toml_of(name):
     return [block.text for block in blocks(ROOT / "docs" / name) if block.language == "toml"]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def planned_once():
+    """Pages plan the same jump, in Python and in a shell: it is planned once."""
+    plan, found = llsrbm.plan, {}
+
+    def once(jump, **options):
+        key = jump, *(str(options.get(name) or "") for name in ("weights", "limits", "draft"))
+        if key not in found:
+            found[key] = plan(jump, **options)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(llsrbm, "plan", once)
+        yield
 
 
 @pytest.mark.timeout(900)  # a machine without a cache builds solvers first
