@@ -15,7 +15,7 @@ import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.stated import known_drives
-from llsrbm.sweep import dataset
+from llsrbm.sweep import dataset, jump
 from llsrbm.sweep.dataset import make_dataset
 from tests.llsrbm.sweep.specs import filled
 
@@ -29,7 +29,7 @@ simulate = { seeds = [1, 2] }
 
 
 @pytest.fixture(scope="module")
-def sweep(tmp_path_factory):
+def sweep(tmp_path_factory, computed_once):
     path = tmp_path_factory.mktemp("sweeps") / "sweep"
     filled(path, range(2), SPEC)
     assert pq.read_table(path / "jumps.parquet")["strict"].to_pylist() == [True] * 4
@@ -37,8 +37,8 @@ def sweep(tmp_path_factory):
 
 
 @pytest.fixture(scope="module", autouse=True)
-def computed_once(sweep):
-    """Plans and rollouts, which come out the same, are computed once for all data sets."""
+def computed_once():
+    """Plans and rollouts, which come out the same, are computed once for all of them."""
     plans, rollouts = {}, {}
     plan_of, rollout_of = dataset.plan_of, dataset.rollout_of
 
@@ -53,8 +53,9 @@ def computed_once(sweep):
         return rollouts[point.jump, seed]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(dataset, "plan_of", plan)
-        patch.setattr(dataset, "rollout_of", rollout)
+        for module in (jump, dataset):
+            patch.setattr(module, "plan_of", plan)
+            patch.setattr(module, "rollout_of", rollout)
         yield
 
 
