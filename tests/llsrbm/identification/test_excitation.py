@@ -112,6 +112,8 @@ def test_a_play_on_a_hung_robot_shows_its_drives(tmp_path):
     assert off["armature"] < GOALS["armature"]
     assert off["friction"] < GOALS["friction"]
     assert found.delay == pytest.approx(0.003, abs=5e-4)
+    drive = found.joints["FL_calf_joint"]
+    assert 0 < drive.armature_error < 0.1 * drive.armature
     # Another tier's robot stands, and what it does then says nothing of its drives.
     path.unlink()
     write(player.log, path, {"tier": "table"})
