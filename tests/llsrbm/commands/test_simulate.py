@@ -164,7 +164,3 @@ def test_for_real(tmp_path):
     rollout = load(out)
     assert rollout.jump.twist == pytest.approx(math.radians(30))
     assert rollout_summary(rollout) == result
-    process = run("export", out, "--format", "csv", "--out", tmp_path / "rollout.csv")
-    assert process.returncode == 0, process.stderr
-    table = np.loadtxt(tmp_path / "rollout.csv", delimiter=",", skiprows=1)
-    assert table[-1, 0] == pytest.approx(rollout.duration)
