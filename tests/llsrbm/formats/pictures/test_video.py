@@ -17,7 +17,7 @@ from llsrbm.formats import export
 from llsrbm.formats.base import Options
 from llsrbm.formats.pictures.drawing import draw, view_of
 from llsrbm.formats.pictures.video import durations, pictures
-from tests.llsrbm.formats.pictures.shown import motion_of, without_meshes
+from tests.llsrbm.formats.pictures.shown import motion_of
 
 av = pytest.importorskip("av")
 
@@ -133,17 +133,6 @@ def test_robots_have_their_colours(name):
     assert np.median(off) > 40
     spread = picture[60:150, 110:210].reshape(-1, 3)
     assert len(np.unique(spread // 16, axis=0)) > 15
-
-
-@needs_opengl
-def test_a_robot_without_meshes_is_drawn_by_what_collides(tmp_path):
-    plan = without_meshes(tmp_path)
-    picture = next(iter(pictures(plan, Options(fps=1.0, size=(320, 200))))).astype(int)
-    drawing = draw(plan, 1.0)
-    at = seen_at(view_of(drawing, 1.6), drawing.solid.body_position[0], (320, 200))
-    ground = np.median(picture[-20:].reshape(-1, 3), axis=0)
-    off = [np.abs(picture[y, x] - ground).max() for x, y in at.round().astype(int)]
-    assert np.median(off) > 40
 
 
 def seen_at(view, points, size):
