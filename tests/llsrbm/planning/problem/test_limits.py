@@ -304,7 +304,7 @@ def test_the_checks_use_the_changed_limit(name, value, measured):
 
 
 def test_every_limit_of_a_point_foot_is_measured():
-    # Knees and legs side by side are measured in `test_knees`, battery and strength of the drives in
+    # Knees and legs side by side are measured in `test_knees`, battery and strength of drives in
     # `motion/test_robot`, the apex in `whole_body/test_tops`.
     others = {"foot_speed", "knee_margin", "legs_apart", "apex_min", "apex_max"}
     others |= {"battery", "drive_strength"}
