@@ -11,6 +11,7 @@ from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned as made
+from tests.llsrbm.planning.solved import solved
 
 NAMES = ("go2", "slider")
 STEP = 1e-6  # s
@@ -19,7 +20,8 @@ STEP = 1e-6  # s
 @pytest.fixture(scope="module", params=NAMES)
 def planned(request):
     """Plan, robot, and instants that are no knots."""
-    plan = made(request.param)
+    of_slider = solved("llsrbm-plus", "twist", "slider").plan
+    plan = made("go2") if request.param == "go2" else of_slider
     times = np.sort(np.random.default_rng(3).uniform(0, plan.duration, 80))
     return plan, load_robot(request.param), times
 
