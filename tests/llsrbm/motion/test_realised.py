@@ -20,8 +20,8 @@ STEP = 1e-6  # s
 @pytest.fixture(scope="module", params=NAMES)
 def planned(request):
     """Plan, robot, and instants that are no knots."""
-    of_slider = solved("llsrbm-plus", "twist", "slider").plan
-    plan = made("go2") if request.param == "go2" else of_slider
+    on_soles = request.param == "slider"
+    plan = solved("llsrbm-plus", "twist", "slider").plan if on_soles else made("go2")
     times = np.sort(np.random.default_rng(3).uniform(0, plan.duration, 80))
     return plan, load_robot(request.param), times
 
