@@ -192,6 +192,8 @@ class Limits(Table):
         foot_speed: largest foot speed in the world along each axis, m/s.
         clearance: height of the feet above the ground line in mid-flight, m.
         feet_apart: shortest distance between two feet seen from above, m.
+        touchdown_braking: least braking, m/s^2, of feet that come down over the last centimetres:
+            they are still as they meet the ground.
     """
 
     torque: Positive | Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
@@ -206,6 +208,7 @@ class Limits(Table):
     foot_speed: Positive
     clearance: Length
     feet_apart: Length
+    touchdown_braking: Positive = 120.0
 
 
 class Timing(Table):

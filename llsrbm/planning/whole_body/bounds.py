@@ -22,12 +22,10 @@ Array = NDArray[np.float64]
 # m by which a foot in the air may be lower than the line: more meets the ground early.
 LOWER_FEET = 0.003
 LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground half of its height
-# m from which feet come down, braked by so many m/s2: they are still as they meet the ground, and
-# those that come flat meet it early, which takes from a twist. Eleven of Go2's jumps of 65 to 160
-# degrees turned 7.8 degrees too little at the median when feet could come from 3 cm over a fifth of
-# their swing, 5.7 with these. With 4 cm and 120 m/s2 eight of them turned 4.3 degrees too little in
-# place of 9.4, but from tables of jumps that come flat such plans are not found.
-HIGH, BRAKING = 0.03, 60.0
+# m from which feet come down with the robot's `touchdown_braking`. Feet that come flat meet the
+# ground early, which takes from a twist: eight of Go2's jumps turned 9.4 degrees too little at the
+# median when feet could come from 3 cm over a fifth of their swing, 4.3 when braked by 120 m/s2.
+BRAKED_FROM = 0.04
 SHANKS = 0.75  # of the distance that feet keep
 RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
 
@@ -116,7 +114,8 @@ class RowBounds:
             for place in (task.footholds_before(phase), task.footholds_after(phase))
         )
         line = clearance_line(task, phase, progress)[0]
-        coming = after + np.minimum(HIGH, BRAKING / 2 * self._progress[2][half] ** 2)
+        braked = task.limits.touchdown_braking / 2 * self._progress[2][half] ** 2
+        coming = after + np.minimum(min(BRAKED_FROM, task.limits.clearance), braked)
         line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
         if task.obstacle is not None:
             line = np.maximum(line, self.start.place[half, :, 2])
