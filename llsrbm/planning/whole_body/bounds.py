@@ -114,7 +114,9 @@ class RowBounds:
             for place in (task.footholds_before(phase), task.footholds_after(phase))
         )
         line = clearance_line(task, phase, progress)[0]
-        braked = task.limits.touchdown_braking / 2 * self._progress[2][half] ** 2
+        # Feet of a model for comparison come down as that model has them.
+        braking = 0.0 if self.start.keeps_own else task.limits.touchdown_braking
+        braked = braking / 2 * self._progress[2][half] ** 2
         coming = after + np.minimum(min(BRAKED_FROM, task.limits.clearance), braked)
         line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
         if task.obstacle is not None:

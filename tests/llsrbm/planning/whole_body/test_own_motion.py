@@ -26,7 +26,7 @@ def away(draft):
 def test_feet_and_base_fly_as_the_model_has_them(monkeypatch):
     draft = llsrbm.plan(llsrbm.Jump(robot="anymal", model="srbm", twist=0.8), draft=True)
     feet, base = away(draft)
-    assert feet < 0.03
-    assert base < 0.015
+    assert feet < 0.02
+    assert base < 0.01
     monkeypatch.setattr(start_module, "OWN", {"near": start_module.NEAR_DRAFT})
     assert away(draft)[0] > 1.3 * feet
