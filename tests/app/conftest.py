@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import multiprocessing
+from types import SimpleNamespace
+
 import pytest
 
 from app.designer import Designer
@@ -10,6 +13,28 @@ from tests.app.planners import SyntheticPlanner
 from tests.app.raw_tab import RawTab
 from tests.app.shared_page import fresh, visit
 from tests.llsrbm.atlas.tables import grid, write
+
+
+@pytest.fixture(scope="session", autouse=True)
+def planned_log(tmp_path_factory):
+    """The file in which computing processes tell what they planned, see `SyntheticPlanner`.
+
+    They are forked from one that has imported everything, which would take each of them seconds.
+    """
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["pytest", "tests.app.planners"])
+    log = tmp_path_factory.mktemp("planned") / "log"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PLANNED_LOG", str(log))
+        forking = SimpleNamespace(get_context=lambda _: context)
+        patch.setattr("app.workers.process.multiprocessing", forking)
+        yield log
+
+
+@pytest.fixture
+def spawning(monkeypatch):
+    """Computing processes start as users' do, in seconds, with this process' own terminal."""
+    monkeypatch.setattr("app.workers.process.multiprocessing", multiprocessing)
 
 
 @pytest.fixture(scope="session")

@@ -138,7 +138,7 @@ def test_a_crash_is_told_and_the_process_restarted(shared_pool, way):
     assert isinstance(tab.outcome(), Planned)
 
 
-def test_a_defect_leaves_its_traceback_in_the_terminal(capfd):
+def test_a_defect_leaves_its_traceback_in_the_terminal(spawning, capfd):
     # Made here: between a test's set-up and its call, pytest shows no process where to write.
     with contextlib.closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
         tab = Tab(pool)
@@ -147,7 +147,7 @@ def test_a_defect_leaves_its_traceback_in_the_terminal(capfd):
     assert "ZeroDivisionError: a defect" in capfd.readouterr().err
 
 
-def test_a_process_that_cannot_start_is_told_and_does_not_spin(capfd):
+def test_a_process_that_cannot_start_is_told_and_does_not_spin(spawning, capfd):
     pool = WorkerPool(broken_factory, processes=1)
     try:
         tab = Tab(pool)

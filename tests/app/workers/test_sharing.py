@@ -44,7 +44,8 @@ def pool():
 
 
 @pytest.fixture
-def own_pool():
+def own_pool(spawning):
+    """A process of it takes a second to start."""
     with closing(warmed()) as own:
         yield own
 
@@ -55,11 +56,13 @@ def seconds(function):
     return time.monotonic() - began, result
 
 
-def test_every_process_loads_what_is_likely_and_the_first_ones_reports_are_heard(
-    tmp_path, monkeypatch
-):
-    log = tmp_path / "log"
-    monkeypatch.setenv("PLANNED_LOG", str(log))
+@pytest.fixture
+def log(planned_log):
+    planned_log.unlink(missing_ok=True)
+    return planned_log
+
+
+def test_every_process_loads_what_is_likely_and_the_first_ones_reports_are_heard(log):
     heard = []
     with closing(warmed(heard)) as pool:
         first, second = (str(number) for number in pool.process_ids)
@@ -71,11 +74,8 @@ def test_every_process_loads_what_is_likely_and_the_first_ones_reports_are_heard
     assert [type(report).__name__ for report in outcomes] == ["Prepared", "Planned", "Planned"]
 
 
-def test_a_process_that_holds_too_much_is_succeeded_by_one_that_has_loaded_the_same(
-    tmp_path, monkeypatch
-):
+def test_a_process_that_holds_too_much_is_succeeded_by_one_that_has_loaded_the_same(log):
     """However often it happens no request fails, and none waits for a process that starts."""
-    monkeypatch.setenv("PLANNED_LOG", str(log := tmp_path / "log"))
     with closing(WorkerPool(HeavyPlanner, processes=1)) as pool:
         tab, used = Tab(pool), []
         for _ in range(3):
@@ -213,10 +213,7 @@ def test_cancelling_one_job_leaves_those_with_smaller_numbers(pool):
     pool.cancel("second")
 
 
-def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(
-    tmp_path, monkeypatch
-):
-    monkeypatch.setenv("PLANNED_LOG", str(tmp_path / "log"))
+def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(log):
     with closing(warmed()) as pool:
         simulating, planning = Tab(pool, "simulating"), Tab(pool, "planning")
         job = simulating.simulate(seed=planners.SLOWLY)
@@ -224,7 +221,7 @@ def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(
         planned = planning.plan(planners.SLOW)
         planning.wait_until_running(planned)
         killed, spared = pool.process_ids
-        (tmp_path / "log").unlink()
+        log.unlink()
         os.kill(killed, signal.SIGKILL)
         while (report := simulating.progress()).text != f"waiting: {AGAIN}":
             pass
@@ -234,7 +231,7 @@ def test_a_killed_process_is_told_to_its_tab_only_and_replaced_with_its_solvers(
         assert isinstance(report, Simulated)
         assert pool.process_ids[1] == spared
         wanted = {(pool.process_ids[0], model) for model in MODELS}
-        wait_until(lambda: wanted <= planned_by(tmp_path / "log"), "its solvers")
+        wait_until(lambda: wanted <= planned_by(log), "its solvers")
         simulating.simulate(seed=1)
         assert isinstance(simulating.outcome(), Simulated)
 
