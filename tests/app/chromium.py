@@ -94,6 +94,7 @@ def chromium():
 def visitor(browser, view=VIEW, **options):
     """A browser of its own, as it were, whose pages draw on demand."""
     context = browser.new_context(viewport=view, accept_downloads=True, **options)
+    context.set_default_timeout(60_000)  # ms: where several browsers share a machine
     context.add_init_script(ON_DEMAND)
     return context
 
@@ -127,7 +128,11 @@ def opened(browser, url, view=VIEW, *, tour=False, **options):
     )
     hear = lambda frame: page.heard.append(len(frame))  # noqa: E731
     page.on("websocket", lambda socket: socket.on("framereceived", hear))
-    page.goto(url)
+    try:
+        page.goto(url)
+    except BaseException:
+        context.close()  # it would go on loading beside all later tests, and keep them waiting
+        raise
     return page
 
 
@@ -262,7 +267,7 @@ def fill(page, label, value):
     page.wait_for_timeout(PACE)
 
 
-def status(page, word, timeout=20_000):
+def status(page, word, timeout=60_000):
     """Wait for a status; an answer that is still being refined does not count."""
     state = '[aria-busy="false"]' if word.split()[0].rstrip(".,") in ANSWERS else ""
     line = page.locator(f'[role="status"]{state}').filter(has_text=re.compile(rf"^\s*{word}"))

@@ -24,19 +24,19 @@ class Tab:
     def simulate(self, **scenario):
         return self.submit(SimulateJump(synthetic_plan(Jump(twist=1.0)), Scenario(**scenario)))
 
-    def outcome(self, timeout=20.0):
+    def outcome(self, timeout=60.0):
         while isinstance(report := self.reports.get(timeout=timeout), Partial):
             pass
         return report
 
-    def progress(self, timeout=20.0):
+    def progress(self, timeout=60.0):
         """The next report of that kind."""
         while not isinstance(report := self.reports.get(timeout=timeout), Progress):
             assert isinstance(report, Partial)
         return report
 
     def wait_until_running(self, job):
-        while (report := self.reports.get(timeout=20)).text.startswith("waiting: "):
+        while (report := self.reports.get(timeout=60)).text.startswith("waiting: "):
             pass
         assert isinstance(report, Progress)
         assert report.job == job

@@ -126,7 +126,7 @@ class RawTab:
                     return content
         return ""
 
-    def wait(self, condition, what, timeout=20.0):
+    def wait(self, condition, what, timeout=60.0):
         end = time.monotonic() + timeout
         with self._changed:
             while not condition():
@@ -134,7 +134,7 @@ class RawTab:
                 assert left > 0, f"waited in vain for {what}; status: {self.status()!r}"
                 self._changed.wait(min(left, 0.2))
 
-    def wait_for_status(self, word, timeout=20.0):
+    def wait_for_status(self, word, timeout=60.0):
         """A word, or one of several; an answer that is still being refined does not count."""
         words = (word,) if isinstance(word, str) else word
 

@@ -34,7 +34,7 @@ def visit(browser, designer, view=VIEW, **options):
 
 def shows_motion(page):
     """Wait until there is a robot that can be played."""
-    status(page, "Feasible", 60_000)  # meshes are made first
+    status(page, "Feasible")
     page.wait_for_function(f"window.__viserMutable?.nodePoseData?.['{BASE}'] && llsrbm.player.clip")
 
 

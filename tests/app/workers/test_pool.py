@@ -28,8 +28,8 @@ def test_progress_comes_before_the_outcome(shared_pool):
     tab.plan()
     assert isinstance(tab.outcome(), Planned)  # its process has started
     job = shared_pool.submit("tab", Prepare("anymal"), tab.reports.put)
-    assert tab.reports.get(timeout=20) == Progress(job, "preparing anymal")
-    assert tab.reports.get(timeout=20) == Prepared(job, "anymal")
+    assert tab.reports.get(timeout=60) == Progress(job, "preparing anymal")
+    assert tab.reports.get(timeout=60) == Prepared(job, "anymal")
 
 
 def test_who_waits_hears_what_for(shared_pool):
@@ -74,7 +74,7 @@ def test_iteration_and_residual_are_told_ten_times_a_second(shared_pool):
     tab = Tab(shared_pool)
     job = tab.plan(planners.ITERATING)
     heard = []
-    while not isinstance(report := tab.reports.get(timeout=20), Planned):
+    while not isinstance(report := tab.reports.get(timeout=60), Planned):
         assert (report.job, report.text) == (job, "solving")
         heard.append((time.monotonic(), report))
     lasted = heard[-1][0] - heard[0][0]
@@ -116,7 +116,7 @@ def test_a_simulation_tells_per_cents_to_its_tab_and_words_to_others(shared_pool
     assert shares == sorted(set(shares))
     assert 0.05 < shares[-1] < 0.3
     shared_pool.cancel("tab")
-    told = other.reports.get(timeout=20)
+    told = other.reports.get(timeout=60)
     assert told.text.startswith("waiting: simulating, ")
     # Whose per cents they are would be misunderstood as its own.
     assert told.share is None

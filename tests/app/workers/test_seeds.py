@@ -98,7 +98,7 @@ def pool():
 
 def reports_until_the_outcome(tab):
     reports = []
-    while isinstance(report := tab.reports.get(timeout=20), Partial):
+    while isinstance(report := tab.reports.get(timeout=60), Partial):
         reports.append(report)
     return reports, report
 
@@ -122,7 +122,7 @@ def test_seeds_are_cancelled_within_a_run_and_leave_room_for_plans(pool):
     tab, other = Tab(pool), Tab(pool, "other")
     before = pool.process_ids
     job = tab.submit(SimulateSeeds(PLAN, Scenario(), (1, planners.SLOWLY, 2)))
-    while not isinstance(tab.reports.get(timeout=20), SeedDone):
+    while not isinstance(tab.reports.get(timeout=60), SeedDone):
         pass
     other.plan()
     assert isinstance(other.outcome(timeout=5), Planned)
@@ -138,7 +138,7 @@ def test_a_simulation_reports_its_motion_so_far(pool):
     job = tab.simulate(seed=planners.SLOWLY)
     motions = []
     while len(motions) < 3:
-        report = tab.reports.get(timeout=20)
+        report = tab.reports.get(timeout=60)
         assert isinstance(report, Progress | SimulatedSoFar)
         if isinstance(report, SimulatedSoFar):
             motions.append(report)
@@ -153,7 +153,7 @@ def test_a_newer_request_ends_all_seeds_with_one_report():
     with closing(WorkerPool(SyntheticPlanner, processes=3)) as pool:
         tab, other = Tab(pool), Tab(pool, "other")
         old = tab.submit(SimulateSeeds(PLAN, Scenario(), (planners.SLOWLY, 1, 2, 3, 4)))
-        while not isinstance(tab.reports.get(timeout=20), SeedDone):
+        while not isinstance(tab.reports.get(timeout=60), SeedDone):
             pass
         new = tab.submit(SimulateSeeds(PLAN, Scenario(), (1, 2)))
         outcomes = [tab.outcome(), tab.outcome()]

@@ -29,7 +29,7 @@ def warmed(heard=None, **options):
     done = threading.Event()
     tasks = [Prepare("anymal"), *(PlanJump(Jump(model=model)) for model in MODELS)]
     pool.warm_up(tasks, [].append if heard is None else heard.append, done.set)
-    assert done.wait(20)
+    assert done.wait(120)
     # The first process is through; the second one follows.
     wait_until(
         lambda: all(m.idle and not m.todo for m in pool._members if not m.spare), "its solvers"
