@@ -44,8 +44,7 @@ def pool():
 
 
 @pytest.fixture
-def own_pool(spawning):
-    """A process of it takes a second to start."""
+def own_pool():
     with closing(warmed()) as own:
         yield own
 
@@ -121,7 +120,7 @@ def test_a_plan_does_not_wait_for_another_tabs_simulations(pool):
         planning.plan()
         took, report = seconds(planning.outcome)
         assert isinstance(report, Planned)
-        assert took < 1.0
+        assert took < 3.0  # of five seconds
     for tab, job in zip(simulating, jobs, strict=True):
         pool.cancel(tab.name)
         assert tab.outcome() == Cancelled(job)
@@ -134,7 +133,7 @@ def test_a_new_plan_stops_its_tabs_simulation_and_does_not_wait_for_it(pool):
     began = time.monotonic()
     new = tab.plan(forward=0.1)
     reports = [tab.outcome(), tab.outcome()]
-    assert time.monotonic() - began < 1.0  # of the five seconds that it would take
+    assert time.monotonic() - began < 3.0  # of the five seconds that it would take
     assert Cancelled(old) in reports
     (plan,) = (report for report in reports if isinstance(report, Planned))
     assert plan.job == new
@@ -157,7 +156,7 @@ def test_who_changes_his_mind_does_not_wait_for_a_solver_that_is_being_built(own
     new = tab.plan(forward=0.1)
     took, report = seconds(tab.outcome)
     assert (type(report), report.job) == (Planned, new)
-    assert took < 2.0  # of a minute
+    assert took < 20.0  # of a minute
     own_pool.cancel("tab")
     assert tab.outcome() == Cancelled(old)
 
@@ -175,7 +174,7 @@ def test_a_refusal_comes_with_the_nearest_plan_if_there_is_one(pool):
 
 
 def test_cancel_is_heard_at_once_and_others_are_served_while_the_process_is_replaced(
-    own_pool,
+    spawning, own_pool
 ):
     tab, other = Tab(own_pool), Tab(own_pool, "other")
     before = set(own_pool.process_ids)
@@ -280,7 +279,7 @@ def test_a_closed_tab_frees_its_work(pool):
         gone.reports.get()  # from before
     took, report = seconds(other.outcome)
     assert isinstance(report, Simulated)
-    assert took < 1.0
+    assert took < 3.0  # of five seconds
     assert gone.reports.empty()
 
 
