@@ -37,7 +37,7 @@ def page(page):
     return page
 
 
-def test_controls_are_found_by_the_contracts_labels(page):
+def test_controls_are_found_by_the_contracts_labels_and_the_whole_robot_is_shown(page):
     labels = {
         "": ("Robot", "Model", "Format"),
         "View": ("Inertia ellipsoids",),
@@ -63,8 +63,29 @@ def test_controls_are_found_by_the_contracts_labels(page):
     # Ghost and blocks are further names in viser's scene tree.
     fill(page, "Board under the feet [mm]", 25)
     press(page, "Simulate")
-    status(page, "Landed")
+    assert status(page, "Landed").startswith("Landed\nYaw error\n−2.9°")
     check()
+    ellipsoids_and_ghost_come_and_go(page)
+
+
+def ellipsoids_and_ghost_come_and_go(page):
+    # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
+    paused_at(page, 0.65)
+    assert page.locator('[title="simulation: force control"]').is_visible()
+
+    def show(*layers):
+        for layer in ("Inertia ellipsoids", "Ghost"):
+            tick(page, layer, ticked=layer in layers)
+        at_rest(page)
+
+    show()
+    without = picture(page)
+    show("Inertia ellipsoids")
+    wait_until(lambda: changed(without, picture(page)) > 2000, "its rings")
+    show("Ghost")
+    wait_until(lambda: changed(without, picture(page)) > 2500, "the ghost")
+    show()
+    wait_until(lambda: changed(without, picture(page)) < 500, "neither rings nor ghost")
 
 
 def marks_beside_the_robot(page):
@@ -99,35 +120,9 @@ def test_it_plays_pauses_and_plays(page):
     wait_until(lambda: np.abs(picture(page) - still).max() > 50, "motion")
 
 
-def test_ellipsoids_come_and_go(page):
-    paused_at(page, 0.0)
-    tick(page, "Inertia ellipsoids", ticked=False)
-    at_rest(page)
-    without = picture(page)
-    tick(page, "Inertia ellipsoids")
-    wait_until(lambda: changed(without, picture(page)) > 2000, "its rings")
-    tick(page, "Inertia ellipsoids", ticked=False)
-    wait_until(lambda: changed(without, picture(page)) < 500, "no rings")
-
-
 def changed(one, other):
     """How many pixels differ."""
     return int((np.abs(one - other).max(axis=2) > 8).sum())
-
-
-def test_simulate_shows_the_whole_robot_beside_the_plan(page):
-    press(page, "Simulate")
-    assert status(page, "Landed").startswith("Landed\nYaw error\n−2.9°")
-    # In mid-flight the made-up simulation is 9 cm above the plan: the ghost stands out.
-    paused_at(page, 0.65)
-    assert page.locator('[title="simulation: force control"]').is_visible()
-    tick(page, "Ghost", ticked=False)
-    at_rest(page)
-    before = picture(page)
-    tick(page, "Ghost")
-    wait_until(lambda: changed(before, picture(page)) > 2500, "the ghost")
-    tick(page, "Ghost", ticked=False)
-    wait_until(lambda: changed(before, picture(page)) < 500, "no ghost")
 
 
 @pytest.mark.nightly
