@@ -94,20 +94,19 @@ def alive(process):
 
 def test_a_request_is_not_kept_waiting_by_what_is_loaded_meanwhile():
     with closing(WorkerPool(SyntheticPlanner, processes=2)) as pool:
-        slow = PlanJump(Jump(twist=planners.SLOW, model="srbm"))
+        lasting = PlanJump(Jump(twist=planners.STUBBORN, model="srbm"))
         done = threading.Event()
-        pool.warm_up([PlanJump(Jump()), slow, slow], [].append, done.set)
+        pool.warm_up([PlanJump(Jump()), lasting], [].append, done.set)
         tab = Tab(pool)
         tab.plan()
         tab.outcome()
-        while None in pool.process_ids:
-            time.sleep(0.01)
-        time.sleep(1.0)  # the second process starts while the first one loads
+        # The second process starts while the first one loads.
+        wait_until(lambda: None not in pool.process_ids, "the second process")
         for _ in range(5):
             tab.plan()
             took, report = seconds(tab.outcome)
             assert isinstance(report, Planned)
-            assert took < 0.8
+            assert took < 20.0  # of a minute
         assert not done.is_set()
 
 
