@@ -82,7 +82,8 @@ def serve(
 ) -> None:
     """Serve the designer, a page where jumps are planned and shown, until Ctrl-C."""
     with stop_on_signal() as stop:
-        from app.workers.pool import MOST_PROCESSES, PROCESSES, WorkerPool
+        from app.workers.crew import MOST_PROCESSES, PROCESSES
+        from app.workers.pool import WorkerPool
 
         if workers is not None and not 1 <= workers <= MOST_PROCESSES:
             raise InputError(f"--workers: expected 1 to {MOST_PROCESSES}, got {workers}")

@@ -16,6 +16,11 @@ from app.workers.member import Member
 from app.workers.process import Ended, Process
 from app.workers.reports import Message
 from app.workers.tasks import PlannerFactory, Prepare, Task
+from llsrbm.processors import usable_processors
+
+# One process plans while another simulates; more than four would mostly cost memory (0.3 GB each).
+PROCESSES = min(max(usable_processors(), 2), 4)
+MOST_PROCESSES = 64
 
 
 class Crew:

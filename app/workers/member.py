@@ -7,7 +7,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field
 
 from app.workers.process import Process
-from app.workers.reports import Listener, Progress
+from app.workers.reports import Listener, Progress, Report
 from app.workers.seeds import Seeds
 from app.workers.tasks import Job, PlanJump, Task
 
@@ -32,6 +32,10 @@ class Entry:
 
     def __post_init__(self) -> None:
         self.parts = deque(self.task.parts)  # that no process has yet
+
+    def deliver(self, report: Report) -> None:
+        """Call the listener that it has now: a tab that goes meanwhile gets nothing any more."""
+        self.listener(report)
 
 
 @dataclass(eq=False)

@@ -21,19 +21,16 @@ from dataclasses import replace
 from functools import partial
 
 from app.workers import reports, worker
-from app.workers.crew import Crew
+from app.workers.crew import PROCESSES, Crew
 from app.workers.deliveries import Deliveries
 from app.workers.member import SILENCE, Entry, Member
 from app.workers.process import Ended
+from app.workers.refusals import BROKEN, BUSY, CLOSED, DEFECT, LATE, SILENT
 from app.workers.seeds import Seeds
 from app.workers.tasks import PlanJump, PlannerFactory, Prepare, SimulateJump, SimulateSeeds, Task
-from app.workers.waiting import MOST_WAITING, Waiting
+from app.workers.waiting import AGAIN, Waiting
 from llsrbm.errors import InputError
-from llsrbm.processors import usable_processors
 
-# One process plans while another simulates; more than four would mostly cost memory (0.3 GB each).
-PROCESSES = min(max(usable_processors(), 2), 4)
-MOST_PROCESSES = 64
 # How long a cancelled job may go on before its process is killed, s: the rest of the 0.2 s that
 # cancelling may take is for that.
 CANCEL_GRACE = 0.15
@@ -50,14 +47,6 @@ REPEATED_FAILURE = 10.0
 PROGRESS_INTERVAL = 0.1  # least time between two pieces of progress of a job, s
 # A tab that waits gets to know the reason after this time and then again and again, s.
 WAITING_INTERVAL = 0.5
-
-CLOSED = "The server is closing."
-BUSY = f"The server is busy: {MOST_WAITING} requests are waiting. Please try again in a moment."
-DEFECT = "A defect of the server interrupted this; please try again."
-BROKEN = "Internal error: planning has stopped; see the server log."
-AGAIN = "the computing process was killed, and another one takes its place"
-SILENT = f"It gave no sign of life for {SILENCE / 60:g} minutes and was stopped."
-LATE = "It took more than {limit:g} s and was stopped."
 
 _log = logging.getLogger(__name__)
 
@@ -243,9 +232,7 @@ class WorkerPool:
         """
         if task is None or entry.begun_again or task.one_at_a_time or entry.tab is self:
             return False
-        running = [m.working_on for m in self._members if m.working_on is not None]
-        others = [self._waiting.get(entry.tab), *(e for e in running if e.tab == entry.tab)]
-        if any(other not in (None, entry) for other in others):
+        if self._waiting.replaced(entry, self._members):
             return False
         entry.begun_again = True
         entry.parts.appendleft(task)
@@ -297,19 +284,13 @@ class WorkerPool:
             self._changed.notify_all()
 
     def _notify_waiting(self, now: float) -> None:
-        busy = [(m.working_on, m.activity) for m in self._members if m.working_on and m.activity]
-        busy.sort(key=lambda pair: pair[0].number)
         for entry in self._waiting:
             if now < entry.notify_at:
                 continue
             entry.notify_at = now + WAITING_INTERVAL
             if any(member.working_on is entry for member in self._members):
                 continue  # some of its parts run
-            # For its tab's own job if there is one, else for the one that takes longest.
-            others = [activity for other, activity in busy if other.tab == entry.tab]
-            others += [activity for _, activity in busy] or ["the computing process starts"]
-            others = [AGAIN] if entry.begun_again else others
-            text = f"waiting: {others[0]}"
+            text = f"waiting: {self._waiting.awaited(entry, self._members)}"
             self._report(entry, reports.Progress(entry.number, text, waiting=True))
 
     def _hand_out(self) -> None:
@@ -363,7 +344,7 @@ class WorkerPool:
                 entry.over = True
                 self._stop_parts(entry)
             calls = self._asides if entry.tab is self else self._reports
-            calls.put(partial(_deliver, entry, each))
+            calls.put(partial(entry.deliver, each))
 
     def _stop_parts(self, entry: Entry) -> None:
         if entry.parts and self._waiting.get(entry.tab) is entry:
@@ -413,11 +394,6 @@ class WorkerPool:
     def _note(self, text: str, *values: object, error: Exception | None = None) -> None:
         """Log it, without waiting for a terminal that is not read."""
         self._asides.put(partial(_log.error, text, *values, exc_info=error))
-
-
-def _deliver(entry: Entry, report: reports.Report) -> None:
-    """Call the listener that the entry has now: a tab that goes meanwhile gets nothing any more."""
-    entry.listener(report)
 
 
 def _ignore(_report: reports.Report | str) -> None:

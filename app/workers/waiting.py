@@ -24,6 +24,8 @@ MOST_WAITING = 200
 """Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of
 32 MB, so that the queue needs a bound."""
 
+AGAIN = "the computing process was killed, and another one takes its place"
+
 
 class Waiting:
     """The jobs that wait."""
@@ -53,6 +55,20 @@ class Waiting:
     def withdraw(self, tab: Hashable) -> Entry | None:
         """Take the tab's waiting job out of the queue."""
         return self._entries.pop(tab, None)
+
+    def replaced(self, entry: Entry, members: Sequence[Member]) -> bool:
+        """Whether its tab wants something else by now."""
+        running = [m.working_on for m in members if m.working_on is not None]
+        others = [self.get(entry.tab), *(each for each in running if each.tab == entry.tab)]
+        return any(other not in (None, entry) for other in others)
+
+    def awaited(self, entry: Entry, members: Sequence[Member]) -> str:
+        """What a job waits for: its tab's own job if there is one, else what takes longest."""
+        if entry.begun_again:
+            return AGAIN
+        busy = [(m.working_on, m.activity) for m in members if m.working_on and m.activity]
+        busy.sort(key=lambda pair: (pair[0].tab != entry.tab, pair[0].number))
+        return busy[0][1] if busy else "the computing process starts"
 
     def note_done(self, task: Task) -> None:
         """A task was worked on: its solver or meshes are built, at least on the disk."""

@@ -12,7 +12,7 @@ from llsrbm.processors import usable_processors
 CODE = """
 import os
 os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-from app.workers.pool import PROCESSES
+from app.workers.crew import PROCESSES
 from llsrbm.processors import usable_processors
 print(usable_processors(), PROCESSES)
 """

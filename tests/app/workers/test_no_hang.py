@@ -13,8 +13,9 @@ import pytest
 
 from app.workers import member, tasks, waiting
 from app.workers import pool as pool_module
-from app.workers.pool import BROKEN, BUSY, CLOSED, DEFECT, WorkerPool
+from app.workers.pool import WorkerPool
 from app.workers.process import Process
+from app.workers.refusals import BROKEN, BUSY, CLOSED, DEFECT
 from app.workers.reports import Cancelled, Failed, Planned, Progress
 from app.workers.tasks import OpenFile, PlanJump
 from llsrbm.request.jump import Jump

@@ -12,9 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from app.workers.pool import AGAIN, WorkerPool
+from app.workers.pool import WorkerPool
 from app.workers.reports import Cancelled, Planned, Progress, Refused, Simulated
 from app.workers.tasks import PlanJump, Prepare
+from app.workers.waiting import AGAIN
 from llsrbm.request.jump import Jump
 from tests.app import planners
 from tests.app.planners import HeavyPlanner, SyntheticPlanner
