@@ -63,7 +63,7 @@ class Waiting:
         return any(other not in (None, entry) for other in others)
 
     def awaited(self, entry: Entry, members: Sequence[Member]) -> str:
-        """What a job waits for: its tab's own job if there is one, else what takes longest."""
+        """The job that this one waits for: its tab's own if there is one, else the longest."""
         if entry.begun_again:
             return AGAIN
         busy = [(m.working_on, m.activity) for m in members if m.working_on and m.activity]
