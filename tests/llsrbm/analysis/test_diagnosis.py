@@ -13,7 +13,7 @@ from llsrbm.analysis.diagnosis import diagnose, fall_in_words
 from llsrbm.request.scenario import Push
 from tests.llsrbm.schedules import in_a_row
 from tests.llsrbm.synthetic import quat_about_z, synthetic_plan
-from tests.llsrbm.synthetic_rollout import RATE, synthetic_rollout
+from tests.llsrbm.synthetic_rollout import RATE, TORQUE_LIMIT, synthetic_rollout
 
 LIFT_OFF, TOUCHDOWN = 0.5, 0.89  # s, of the synthetic rollout
 HEIGHT = 0.5  # m of its CoM
@@ -125,6 +125,10 @@ def test_a_base_that_turns_away_whatever_full_turns_it_has_made(turns):
     assert event.time == pytest.approx(0.3 + 0.8 * math.radians(3.0), abs=1.5 / RATE)
 
 
+def test_what_is_large_in_takeoff_is_nothing_in_landing():
+    assert diagnose(changed(com=add(between(1.2, 1.4), [0, 0, -0.2 * HEIGHT]))) == ()
+
+
 def test_a_whole_body_that_turns_otherwise():
     turning = between(0.6, TOUCHDOWN)
     rate = np.array([0.9, 0.0, -1.2])
@@ -159,6 +163,12 @@ def test_a_foot_that_stays_behind():
     )
     assert (event.time, event.what) == (pytest.approx(LIFT_OFF), "lift-off")
     assert event.words == "LH stayed on the ground for 50 ms after lift-off"
+
+
+def test_a_foot_that_bounces():
+    event = only(changed(contact=put((between(0.95, 1.03), LEFT_FRONT), 0)))
+    assert (event.time, event.what) == (pytest.approx(0.95), "contact lost")
+    assert event.words == "LF lost the ground for 80 ms after touchdown"
 
 
 def test_a_foot_that_misses_its_foothold():
@@ -236,6 +246,12 @@ def test_a_limit_that_is_no_cause(start, end):
     assert [event.what for event in diagnose(saturated(start, end, 4, SUNK))] == ["sink"]
 
 
+def test_a_joint_too_fast_for_its_drive():
+    first, _ = diagnose(saturated(0.34, 0.46, 4, SUNK, limit=0.2 * TORQUE_LIMIT))
+    assert first.what == "speed limit"
+    assert first.words == f"{GOOD.joint_names[4]} was at the speed limit for 120 ms"
+
+
 def test_what_comes_after_the_fall_is_not_told():
     rollout = changed(SUNK, contact=put((between(1.2, 1.4), 0), 0))
     assert {event.what for event in diagnose(rollout)} == {"sink", "contact lost"}
@@ -263,7 +279,7 @@ def test_the_push_before_is_named():
     assert "(0.40 s), 0.05 s after the push of 70 N s, then" in fall_in_words(fell)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), ticks=st.integers(1, len(GOOD.time)), fell=st.booleans())
 def test_whatever_happened_events_are_in_order_and_before_the_fall(seed, ticks, fell):
     """However short the rollout, and however wild."""

@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,6 +18,8 @@ import pytest
 import llsrbm
 from llsrbm.cli import main
 from llsrbm.installed import assets_directory
+from llsrbm.player.posture import FirstPosture, gains
+from llsrbm.robots import load_robot
 from tests.llsrbm.wire.simulator_process import STARTS, simulator
 
 PLANS = assets_directory() / "plans"
@@ -34,15 +37,21 @@ def test_a_dry_run_prints_states_and_first_commands(capsys):
     assert out.endswith("Nothing was sent.\n")
 
 
-def test_a_dry_run_as_json(capfd):
-    words = ["--robot", "go1", "--tier", "closed-loop", "--dry-run", "--json"]
-    assert main(["deploy", str(PLANS / "go1.npz"), *words]) == 0
+@pytest.mark.parametrize("tier", ["table", "closed-loop"])
+def test_a_dry_run_as_json(tier, capfd):
+    plan = PLANS / "go1.npz"
+    assert main(["deploy", str(plan), "--robot", "go1", "--tier", tier, "--dry-run", "--json"]) == 0
     result = json.loads(capfd.readouterr().out)
-    assert result["tier"] == "closed-loop"
+    assert result["tier"] == tier
     assert [command["time_s"] for command in result["commands"]] == [0.0, 0.002, 0.004]
-    first = result["commands"][0]
-    assert not np.any(first["kp"])
-    assert (np.array(first["kd"]) > 0).all()
+    first, robot = result["commands"][0], load_robot("go1")
+    if tier == "table":
+        posture = FirstPosture.of(llsrbm.load(plan), robot)
+        assert first["q"] == pytest.approx(posture.joints, abs=0.01)
+        assert first["kp"] == gains(robot)[0].tolist()
+    else:
+        assert not np.any(first["kp"])
+        assert (np.array(first["kd"]) > 0).all()
 
 
 @pytest.mark.parametrize(
@@ -117,6 +126,18 @@ def deploy(robot, folder, *options):
 def until(process, state):
     """Read the lines of a player until it says that a state begins; False: it ended before."""
     return any(line.startswith(state) for line in iter(process.stdout.readline, ""))
+
+
+def test_a_killed_player_leaves_a_robot_that_brakes(robot, tmp_path):
+    player = deploy(robot, tmp_path)
+    until(player, "ramp")
+    time.sleep(0.3)  # until some commands were sent
+    player.kill()
+    player.wait()
+    time.sleep(1.0)  # the robot's own time goes on: it brakes after 50 ms
+    result = robot.ended()
+    assert result["commands"] > 0
+    assert result["braking"]
 
 
 def test_ctrl_c_damps_and_leaves_a_log(robot, tmp_path):

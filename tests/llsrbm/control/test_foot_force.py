@@ -104,3 +104,15 @@ def test_what_does_not_is_a_push(direction, ticks, by_feet):
     flown(impulse, 400 * direction, by_feet, ticks, v)
     assert not impulse.is_ground()
     assert impulse.pushed
+
+
+def test_noise_after_a_push_is_not_the_ground_and_the_ground_still_is():
+    impulse = MeasuredImpulse(MASS, TICK)
+    v = flown(impulse, np.array([800.0, 0.0, 0.0]), 0.0, 8, np.zeros(3))
+    assert not impulse.is_ground()
+    v = flown(impulse, np.array([0.1, 0.0, 2.0]), 1.0, 10, v)
+    assert not impulse.is_ground()
+    flown(impulse, np.array([0.0, 0.0, 500.0]), 1.0, 2, v)
+    assert impulse.is_ground()
+    impulse.reset()
+    assert not impulse.pushed

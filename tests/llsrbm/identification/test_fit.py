@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.identify import GOALS
+from benchmarks.identify import GOALS, errors, hidden, recorded
 from llsrbm.errors import InputError
 from llsrbm.identification import identify
 from tests.llsrbm.identification.synthetic import (
@@ -108,3 +108,14 @@ def test_speeds_that_a_filter_makes_late_do_not_make_the_delay_longer(log, found
     assert again.speed_lag == pytest.approx(log.period / 2, abs=1e-5)
     assert again.delay == pytest.approx(found.delay, abs=1e-5)
     assert numbers(again) == pytest.approx(numbers(found), rel=0.05)
+
+
+def test_hidden_drives_of_a_simulated_robot():
+    drives = hidden(GO2, 40)
+    found = identify(GO2, recorded(drives, 20.0, 500, 40))
+    assert not found.undetermined
+    off = errors(drives, found)
+    assert all(off[name] < goal for name, goal in GOALS.items()), off
+    assert abs(found.delay - drives.delay) < 1e-4
+    drive = found.joints["FL_calf_joint"]
+    assert 0 < drive.armature_error < 0.05 * drive.armature

@@ -6,6 +6,10 @@ from llsrbm.models.base import CentroidalModel
 from tests.llsrbm.models.postures import ROBOT
 
 
+def test_names_of_the_contract():
+    assert tuple(models.MODELS) == ("srbm", "llsrbm", "llsrbm-plus")
+
+
 @pytest.mark.parametrize("name", models.MODELS)
 def test_made_by_name(name):
     model = models.make_model(name, ROBOT)

@@ -77,6 +77,13 @@ def test_a_block_in_which_the_robot_would_stand_moves_and_says_so(height, moving
     assert world.in_mid_flight.startswith(moving)
 
 
+def test_a_trunk_that_would_dip_into_the_box_has_it_come_in_mid_flight():
+    plan, world = around(height=0.2, forward=1.0)
+    assert world.in_mid_flight == ""
+    low = replace(plan, base_position=plan.base_position - [0.0, 0.0, 0.45])
+    assert "box" in surroundings(ANYMAL, low, Scenario()).in_mid_flight
+
+
 @pytest.mark.parametrize("height", [0.2, -0.15])
 @pytest.mark.parametrize("forward", [0.9, 0.95, 2.0])
 def test_start_and_landing_apart_stand_all_the_time(height, forward):
@@ -91,7 +98,7 @@ def test_start_and_landing_apart_stand_all_the_time(height, forward):
     assert margins[1] == pytest.approx(0.25)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=60, deadline=None)
 @example(twist=2.25, forward=0.0, lateral=0.75, height=0.05)  # a corner came between two feet
 @given(
     twist=st.floats(-3.1, 3.1),
@@ -174,6 +181,12 @@ def test_hops_up_stairs_have_a_box_under_each_place():
     assert overhang(second, stood_on(plan, 2)).min() > 0
 
 
+def test_hops_that_are_near_have_boxes_that_come_in_their_own_flights():
+    plan = hops(0.2, 0.1)
+    first, second = surroundings(ANYMAL, plan, Scenario()).blocks
+    assert [first.from_s, second.from_s] == pytest.approx([MIDDLE, MIDDLE + plan.time[48]])
+
+
 def test_hops_far_apart_have_boxes_that_stand_all_the_time():
     plan = hops(0.2, -0.2, forward=2.0, twist=0.7)
     (box,) = surroundings(ANYMAL, plan, Scenario()).blocks
@@ -182,6 +195,15 @@ def test_hops_far_apart_have_boxes_that_stand_all_the_time():
     assert overhang(box, stood_on(plan, 1)).min() == pytest.approx(0.25)
     for place in (0, 2):
         assert overhang(box, stood_on(plan, place), -RADIUS).max() < 0
+
+
+def test_the_board_of_hops_lies_under_the_last_landing_alone():
+    plan = hops(0.1, 0.1)
+    *_, board = surroundings(ANYMAL, plan, Scenario(board=0.02)).blocks
+    assert board.name == "board"
+    assert top(board) == pytest.approx(0.22)
+    assert board.from_s == pytest.approx(MIDDLE + plan.time[48])
+    assert overhang(board, stood_on(plan, 2)).min() > 0
 
 
 class TestObstacles:

@@ -6,13 +6,16 @@ solve it alike: the tests that know no other answer.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
+from llsrbm.planning.replan.under_way import State
 from llsrbm.request.jump import Jump
 from llsrbm.request.stones import Stone
 from llsrbm.robots.robot import Robot
@@ -92,6 +95,39 @@ class Elsewhere:
             start_velocity=self.vectors(task.start_velocity),
             goal_velocity=self.vectors(task.goal_velocity),
             motion=motion,
+        )
+
+    def plan(self, plan: Plan) -> Plan:
+        """A plan; not mirrored."""
+        moved = {
+            self.points: ("com", "base_position", "foot_position", "contact_point", "leg_com"),
+            self.vectors: ("com_velocity", "angular_velocity", "angular_momentum", "contact_force"),
+            self.quats: ("base_quat",),
+        }
+        return replace(
+            plan,
+            **{name: move(getattr(plan, name)) for move, names in moved.items() for name in names},
+        )
+
+    def state(self, state: State) -> State:
+        """A state under way, of a robot with point feet; not mirrored."""
+        moved = {
+            self.points: ("com", "foot_position"),
+            self.vectors: (
+                "com_velocity",
+                "angular_velocity",
+                "angular_momentum",
+                "foot_velocity",
+            ),
+            self.quats: ("base_quat",),
+        }
+        return self._moved(state, moved)
+
+    @staticmethod
+    def _moved(of: Any, moved: dict[Any, tuple[str, ...]]) -> Any:
+        return replace(
+            of,
+            **{name: move(getattr(of, name)) for move, names in moved.items() for name in names},
         )
 
     def variables(self, robot: Robot, layout: Layout, w: np.ndarray) -> np.ndarray:

@@ -44,6 +44,20 @@ def test_it_weighs_what_the_paper_says(slider):
     assert slider.model.inertias[joint(slider, "left", "yaw")].mass < 0.01
 
 
+def test_links_have_the_published_inertia(slider):
+    inertias = slider.model.inertias
+    hip, leg, foot = (inertias[joint(slider, "left", n)] for n in ("roll", "slide", "ankle_roll"))
+    assert hip.lever == pytest.approx([0.105, -0.021, 0])
+    assert leg.lever == pytest.approx([0, 0, 0.405])
+    assert foot.lever == pytest.approx([0, 0, -0.028])
+    assert np.diag(hip.inertia) == pytest.approx([0.0162, 0.0294, 0.0362])
+    assert np.diag(leg.inertia) == pytest.approx([0.0119, 0.0121, 0.0010])
+    assert np.diag(foot.inertia)[:2] == pytest.approx([0.0065, 0.0137])
+    depth, width, height = 0.16, 0.25, 0.20
+    even = [width**2 + height**2, depth**2 + height**2, depth**2 + width**2]
+    assert np.diag(inertias[1].inertia) == pytest.approx(6.08 / 12 * np.array(even), abs=1e-5)
+
+
 def test_joints_are_where_they_were_published(slider):
     data = placed(slider, pin.neutral(slider.model))
     for side, sign in (("left", 1), ("right", -1)):
@@ -64,6 +78,18 @@ def test_positive_slide_draws_the_leg_up(slider):
     q[slider.legs[0].q_index[2]] = 0.1
     sole = placed(slider, q).oMf[slider.legs[0].foot_frame_id].translation
     assert sole[2] == pytest.approx(0.1 - ANKLE_BELOW_HIP - SOLE_BELOW_ANKLE)
+
+
+def test_ranges_and_efforts(slider):
+    model = slider.model
+    for side, name in itertools.product(("left", "right"), ORDER):
+        at = model.joints[joint(slider, side, name)]
+        low, high = model.lowerPositionLimit[at.idx_q], model.upperPositionLimit[at.idx_q]
+        assert low == -high
+        assert high == RANGES[name] if name in RANGES else high >= 1.1
+        assert model.upperEffortLimit[at.idx_v] == EFFORTS[name]
+        assert slider.torque_limit[at.idx_v - 6] == EFFORTS[name]
+        assert slider.speed_limit[at.idx_v - 6] == model.upperVelocityLimit[at.idx_v]
 
 
 def test_it_stands_on_its_soles_below_its_com(slider):

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from llsrbm.cli import main
 from llsrbm.errors import RobotFileError
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
@@ -81,7 +82,7 @@ numbers = st.floats(-1.2, 1.2).map(lambda x: round(x, 6))
 
 
 @settings(
-    max_examples=12,
+    max_examples=25,
     phases=[Phase.explicit, Phase.reuse, Phase.generate],
     suppress_health_check=[HealthCheck.function_scoped_fixture],
 )
@@ -307,3 +308,17 @@ def test_joints_that_mimic_are_held_together(tmp_path):
     for held, expected in (("f1 = 0.3\nf2 = 0.2", "expected -0.2 rad"), ("f2 = 0.1", "not held")):
         with pytest.raises(RobotFileError, match=f"urdf.held.f2: it mimics f1.*{expected}"):
             build_robot(robot_file(tmp_path, urdf, f"[urdf.held]\n{held}"))
+
+
+@pytest.mark.parametrize("command", ["plan --robot", "simulate --robot", "robot new"])
+def test_commands_refuse_it_in_one_line(tmp_path, monkeypatch, capsys, command):
+    path = robot_file(tmp_path, REFUSED["xacro not run"][0])
+    if command == "robot new":
+        path.unlink()
+    monkeypatch.chdir(tmp_path)
+    file = "strange.urdf" if command == "robot new" else "./strange.toml"
+    assert main([*command.split(), file]) == 2
+    out, err = capsys.readouterr()
+    assert not out
+    assert len(err.strip().splitlines()) == 1
+    assert 'link "trunk"' in err
