@@ -128,25 +128,19 @@ def roles_of(
     first_swing = next(swings, last_phase + 2)  # of phases in which less than asked may be done
     same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
-        now = np.array(stands[p])
-        before = np.array(stands[max(p - 1, 0)])
-        after = np.array(stands[min(p + 1, last_phase)])
+        now, before, after = (
+            np.array(stands[at]) for at in (p, max(p - 1, 0), min(p + 1, last_phase))
+        )
         here = {**same, **_placed(places[p] if places else ((), ()), p >= first_swing)}
         for k in range(count):
             first, last = k == 0, k == count - 1
-            lifting_off = _legs(now & ~after) if last else ()
-            landing = _legs(~before & now) if first else ()
+            legs = _legs_by_role(before if first else now, now, after if last else now)
+            edge = {*legs["lifting_off"], *(() if turns else legs["landing"])}
             roles.append(
                 Role(
                     phase=p,
                     intervals=count,
-                    standing=_legs(now),
-                    swinging=_legs(~now),
-                    leaving=_legs(before & ~now) if first else (),
-                    landing=landing,
-                    lifting_off=lifting_off,
-                    touching_down=_legs(~now & after) if last else (),
-                    at_edge=tuple(sorted({*lifting_off, *(() if turns else landing)})),
+                    at_edge=tuple(sorted(edge)),
                     initial=p == 0 and first,
                     first=first,
                     last=last,
@@ -157,6 +151,7 @@ def roles_of(
                     limits_apex=apex and first and p in flights,
                     shifted=shifts and p > flights[0],
                     chooses_shortfall=last and p == first_swing - 1,
+                    **legs,
                     **here,
                 )
             )
@@ -171,6 +166,20 @@ def roles_of(
         **here,
     )
     return (*roles, end)
+
+
+def _legs_by_role(
+    before: BoolArray, now: BoolArray, after: BoolArray
+) -> dict[str, tuple[int, ...]]:
+    """Legs by what they do, of which stand before, at and after a knot."""
+    return {
+        "standing": _legs(now),
+        "swinging": _legs(~now),
+        "leaving": _legs(before & ~now),
+        "landing": _legs(~before & now),
+        "lifting_off": _legs(now & ~after),
+        "touching_down": _legs(~now & after),
+    }
 
 
 def _placed(places: tuple[tuple[int, ...], tuple[int, ...]], known: bool) -> dict[str, Any]:
