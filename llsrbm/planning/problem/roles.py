@@ -124,8 +124,8 @@ def roles_of(
     flights = [p for p, row in enumerate(stands) if not any(row)]
     last_flight = max(flights, default=-1)
     shifts = under_way and bool(flights)
-    swings = (p for p, row in enumerate(stands) if places and not all(row))
-    first_swing = next(swings, last_phase + 2)  # of phases in which less than asked may be done
+    # Of phases in which less than asked may be done.
+    first_swing = next((p for p, r in enumerate(stands) if places and not all(r)), last_phase + 2)
     same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
         now, before, after = (
@@ -135,12 +135,11 @@ def roles_of(
         for k in range(count):
             first, last = k == 0, k == count - 1
             legs = _legs_by_role(before if first else now, now, after if last else now)
-            edge = {*legs["lifting_off"], *(() if turns else legs["landing"])}
             roles.append(
                 Role(
                     phase=p,
                     intervals=count,
-                    at_edge=tuple(sorted(edge)),
+                    at_edge=_at_edge(legs, turns),
                     initial=p == 0 and first,
                     first=first,
                     last=last,
@@ -168,9 +167,7 @@ def roles_of(
     return (*roles, end)
 
 
-def _legs_by_role(
-    before: BoolArray, now: BoolArray, after: BoolArray
-) -> dict[str, tuple[int, ...]]:
+def _legs_by_role(before: BoolArray, now: BoolArray, after: BoolArray) -> dict[str, Any]:
     """Legs by what they do, of which stand before, at and after a knot."""
     return {
         "standing": _legs(now),
@@ -180,6 +177,10 @@ def _legs_by_role(
         "lifting_off": _legs(now & ~after),
         "touching_down": _legs(~now & after),
     }
+
+
+def _at_edge(legs: dict[str, Any], turns: bool) -> tuple[int, ...]:
+    return tuple(sorted({*legs["lifting_off"], *(() if turns else legs["landing"])}))
 
 
 def _placed(places: tuple[tuple[int, ...], tuple[int, ...]], known: bool) -> dict[str, Any]:
