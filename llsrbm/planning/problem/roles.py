@@ -128,9 +128,7 @@ def roles_of(
     first_swing = next((p for p, r in enumerate(stands) if places and not all(r)), last_phase + 2)
     same: dict[str, Any] = {"under_way": under_way, "moves_arms": moves_arms, "shifts": shifts}
     for p, count in enumerate(intervals):
-        now, before, after = (
-            np.array(stands[at]) for at in (p, max(p - 1, 0), min(p + 1, last_phase))
-        )
+        before, now, after = np.array(stands)[[max(p - 1, 0), p, min(p + 1, last_phase)]]
         here = {**same, **_placed(places[p] if places else ((), ()), p >= first_swing)}
         for k in range(count):
             first, last = k == 0, k == count - 1
