@@ -1,14 +1,15 @@
 """The first minute of a newcomer, in clicks, in a real browser.
 
 Nothing is read: a slider is moved, the robot simulated and pushed, and a file saved, with what is
-in sight or one click away.
+in sight or one click away. Then the examples are looked into.
 """
 
 from __future__ import annotations
 
 import pytest
 
-from tests.app.chromium import status
+from app import gallery
+from tests.app.chromium import press, status
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
 
@@ -42,7 +43,12 @@ def page(browser, designer):
     page.context.close()
 
 
-def test_a_newcomer_plans_simulates_pushes_and_saves(page):
+def test_a_newcomer_plans_simulates_pushes_saves_and_looks_into_the_examples(page):
+    """What the page is has been said, and stays in sight until it is skipped."""
+    welcome = page.get_by_role("dialog", name="Design a jump; see why inertia matters")
+    first = welcome.locator(".example button")
+    assert first.inner_text().startswith(gallery.cards()[0]["title"])
+    page.wait_for_function("document.querySelector('#llsrbm-tour img').naturalWidth === 192")
     newcomer, session = Newcomer(page), page.session
     before = session.design.jump.twist
     newcomer.click_beside("Twist [deg]", -30)
@@ -58,3 +64,20 @@ def test_a_newcomer_plans_simulates_pushes_and_saves(page):
         newcomer.click("button", "Export")
     assert download.value.suggested_filename.endswith(".npz")
     assert newcomer.actions == ACTIONS
+    press(page, "Skip")
+    welcome.wait_for(state="hidden")
+    press(page, "Examples")
+    shown = page.get_by_role("dialog", name="Examples")
+    shown.wait_for()
+    cards = shown.locator(".cards button")
+    assert cards.count() == len(gallery.designs())
+    page.wait_for_function(
+        "() => [...document.querySelectorAll('#llsrbm-gallery img')]"
+        ".every((image) => image.complete && image.naturalWidth === 192)"
+    )
+    cards.filter(has_text="ANYmal onto a board").click()
+    shown.wait_for(state="hidden")
+    wait_until(lambda: session.design.scenario.board == 0.025, "the example")
+    # It was closed, and does not come again.
+    page.evaluate("llsrbm.tour.offer()")
+    assert not welcome.is_visible()
