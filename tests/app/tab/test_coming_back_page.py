@@ -57,18 +57,19 @@ def plan_pin_and_simulate(page):
 
 
 def everything_is_there(page):
-    state = find_session(page).state
+    session = find_session(page)
+    # It is known by its token before its state is there.
+    wait_until(lambda: session.rollout is not None, "the simulation")
     status(page, "Landed")
-    assert state.plan.jump.forward == FORWARD
-    assert len(state.pins) == 1
-    assert state.rollout is not None
+    assert session.plan.jump.forward == FORWARD
+    assert len(session.state.pins) == 1
     wait_until(lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the slider")
     page.wait_for_function("llsrbm.player.clip?.request.forward === 0.3")
     wait_until(lambda: player(page, "time") == pytest.approx(INSTANT), "the place")
-    assert player(page, "playing") is False
+    wait_until(lambda: player(page, "playing") is False, "a motion that stands")
     clip = "n => llsrbm.player.clip.channels.some(s => s.tracks.some(t => t.nodes.includes(n)))"
-    assert page.evaluate(clip, "/pinned/1/base")
-    assert page.locator('[title="simulation: force control"]').count() == 1
+    page.wait_for_function(clip, arg="/pinned/1/base")
+    page.locator('[title="simulation: force control"]').wait_for()
     tab(page, COMPARE)
     page.get_by_role("button", name="Unpin", exact=True).wait_for()
 
@@ -85,7 +86,9 @@ def test_everything_is_found_again(page, designer):
     everything_is_there(page)
 
 
-def test_a_link_opens_its_design_with_which_the_next_visit_begins(page, browser, designer):
+def test_a_link_opens_its_design_with_which_the_next_visit_begins_with_its_preferences(
+    page, browser, designer
+):
     fill(page, "Forward [m]", FORWARD)
     wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
     press(page, "Share")
@@ -94,24 +97,37 @@ def test_a_link_opens_its_design_with_which_the_next_visit_begins(page, browser,
     address = dialog.get_by_label("Link").input_value()
     assert address.startswith(f"{designer.url.rstrip('/')}/#design=")
     dialog.get_by_role("button", name="Close").click()
-    assert not dialog.is_visible()
-    with contextlib.closing(visitor(browser)) as context:
-        for where in (address, designer.url):
-            before = designer.sessions
-            other = context.new_page()
-            other.goto(where)
-            shows_motion(other)
-            (session,) = [each for each in designer.sessions if each not in before]
-            wait_until(lambda s=session: s.plan.jump.forward == FORWARD, "the design of the link")
-            assert "#" not in other.evaluate("location.href")  # a reload finds what came of it
-            wait_until(
-                lambda o=other: re.search(
-                    rf"forward\W+{FORWARD}\b", o.evaluate("localStorage.getItem('llsrbm.design')")
-                ),
-                "the browser to keep it",
-            )
-            assert float(number(other, "Forward [m]").input_value()) == FORWARD
-            other.close()
+    dialog.wait_for(state="hidden")
+    with contextlib.closing(visitor(browser, color_scheme="dark")) as context:
+        context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
+        first = design_opened(context, designer, address)
+        first.locator(":root[data-mantine-color-scheme=dark]").wait_for(state="attached")
+        tick(first, "Foot workspace")
+        first.wait_for_function("localStorage.getItem('llsrbm.preferences')?.includes('reach')")
+        first.close()
+        later = design_opened(context, designer, designer.url)
+        box = later.get_by_label("Foot workspace", exact=True)
+        box.wait_for(state="attached")
+        wait_until(box.is_checked, "the overlay")
+
+
+def design_opened(context, designer, address):
+    """A page of this address, once it shows the design."""
+    before = designer.sessions
+    page = context.new_page()
+    page.goto(address)
+    shows_motion(page)
+    (session,) = [each for each in designer.sessions if each not in before]
+    wait_until(lambda: session.plan.jump.forward == FORWARD, "the design of the link")
+    assert "#" not in page.evaluate("location.href")  # a reload finds what came of it
+    wait_until(
+        lambda: re.search(
+            rf"forward\W+{FORWARD}\b", page.evaluate("localStorage.getItem('llsrbm.design')")
+        ),
+        "the browser to keep it",
+    )
+    wait_until(lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the slider")
+    return page
 
 
 # ---- the server
@@ -155,8 +171,8 @@ def test_the_server_is_killed_and_the_page_goes_on_with_the_next_one(browser):
             lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the design"
         )
         page.wait_for_function("llsrbm.player.clip.request.forward === 0.3")
-        assert player(page, "time") == pytest.approx(INSTANT)
-        assert player(page, "playing") is False
+        wait_until(lambda: player(page, "time") == pytest.approx(INSTANT), "the place")
+        wait_until(lambda: player(page, "playing") is False, "a motion that stands")
         # It plans and plays as before.
         fill(page, "Forward [m]", 0.1)
         page.wait_for_function("llsrbm.player.clip.request.forward === 0.1")
@@ -214,19 +230,4 @@ def test_a_browser_that_forbids_storage_works_without(browser, designer):
     wait_until(lambda: session.plan.jump.forward == FORWARD, "the plan")
     assert player(page, "playing")
     assert faults == []
-    context.close()
-
-
-def test_a_new_tab_of_the_browser_has_its_preferences(browser, designer):
-    context = visitor(browser, color_scheme="dark")
-    context.add_init_script('localStorage.setItem("llsrbm.tour", "seen")')
-    first, later = context.new_page(), context.new_page()
-    first.goto(designer.url)
-    first.locator(":root[data-mantine-color-scheme=dark]").wait_for(state="attached")
-    tick(first, "Foot workspace")
-    first.wait_for_function("localStorage.getItem('llsrbm.preferences')?.includes('reach')")
-    later.goto(designer.url)
-    box = later.get_by_label("Foot workspace", exact=True)
-    box.wait_for(state="attached")
-    wait_until(box.is_checked, "the overlay")
     context.close()
