@@ -104,7 +104,8 @@ def hostile(tmp_path_factory):
     path.write_text(text.replace('"../slider/', '"slider/'), encoding="utf-8")
     plan = motion_of("slider").plan
     jump = replace(plan.jump, robot=str(path), model="</script><img src=x onerror=alert(1)>")
-    export(replace(plan, jump=jump), folder / "x.html", format="html")
+    path = folder / "x.html"
+    export(replace(plan, jump=jump), path, format="html", fps=10, camera=(90.0, 20.0, 3.0))
     return folder / "x.html"
 
 
@@ -140,7 +141,7 @@ def tab(browser, replay):
     """A page left open would go on drawing beside later tests."""
     page = played(browser, replay)
     yield page
-    page.close()
+    page.context.close()
 
 
 @pytest.mark.browser
@@ -194,9 +195,8 @@ class TestInABrowser:
 
 @pytest.mark.browser
 @needs_chromium
-def test_it_is_looked_at_from_where_was_asked_for(browser, motion, tmp_path):
-    export(motion.plan, tmp_path / "x.html", format="html", fps=10, camera=(90.0, 20.0, 3.0))
-    tab = played(browser, tmp_path / "x.html")
+def test_it_is_looked_at_from_where_was_asked_for_and_words_from_files_do_nothing(browser, hostile):
+    tab = played(browser, hostile)
     tab.wait_for_function("window.__viserMutable.cameraControl.getPosition().length() > 2")
     x, y, z = tab.evaluate(
         """() => { const { cameraControl: c } = window.__viserMutable;
@@ -205,15 +205,8 @@ def test_it_is_looked_at_from_where_was_asked_for(browser, motion, tmp_path):
     )
     assert math.hypot(x, y, z) == pytest.approx(3.0, rel=1e-3)
     assert math.degrees(math.asin(z / 3)) == pytest.approx(20.0, abs=0.1)
-    tab.close()
-
-
-@pytest.mark.browser
-@needs_chromium
-def test_words_from_files_do_nothing_in_a_browser(browser, hostile):
-    tab = played(browser, hostile)
     assert tab.title().startswith(HOSTILE)
     assert tab.locator("#llsrbm-replay h1").inner_text().startswith(HOSTILE)
     assert tab.locator("#llsrbm-replay img").count() == 0
     assert tab.faults == []
-    tab.close()
+    tab.context.close()
