@@ -71,7 +71,7 @@ OVERVIEW_CHARTS = [
 ]
 
 
-def test_every_group_is_drawn_with_plan_and_simulation(page):
+def test_every_group_is_drawn_with_plan_and_simulation_with_values_and_figures(page):
     charts = drawn(page, OVERVIEW_CHARTS)
     assert [chart["curves"] for chart in charts] == [["plan"]] * 4
     assert {chart["end"] for chart in charts} == {1.5}
@@ -79,6 +79,8 @@ def test_every_group_is_drawn_with_plan_and_simulation(page):
     charts = drawn(page, OVERVIEW_CHARTS)
     assert [chart["curves"] for chart in charts] == [["plan", "simulation"]] * 4
     assert {chart["end"] for chart in charts} == {2.5}
+    values_are_written_beside_the_titles(page)
+    a_chart_is_copied_for_a_paper(page)
     layers = shown_layers(page.session.state.shown.planned, page.session.rollout)
     for group in (LANDING, TORQUES, "Contact forces"):
         choose(page, "Preset", group)
@@ -89,6 +91,7 @@ def test_every_group_is_drawn_with_plan_and_simulation(page):
             assert "simulation" in chart["curves"], chart
             span = chart["end"] - chart["start"]
             assert 0.3 < span < 0.5 if group == LANDING else span == 2.5, chart
+    the_box_has_all_lines_by_name(page)
 
 
 # ---- cursor and values
@@ -142,28 +145,30 @@ SPANS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) =>
   chart.scales.y.max - chart.scales.y.min)"""
 
 
-def test_values_are_written_beside_the_titles(page):
-    simulate(page)
-    drawn(page, OVERVIEW_CHARTS)
+def values_are_written_beside_the_titles(page):
     at_rest(page)
     page.evaluate(SHOW, 0.65)
-    page.wait_for_timeout(300)
-    values, data = page.evaluate(VALUES), page.evaluate(DATA, 0.65)
-    assert [len(row) for row in values] == [2] * 4
-    for written, true, span in zip(values, data, page.evaluate(SPANS), strict=True):
-        assert written == pytest.approx(true, abs=0.006 * span)  # with three digits at most
+    spans, data = page.evaluate(SPANS), page.evaluate(DATA, 0.65)
+
+    def written():
+        values = page.evaluate(VALUES)
+        assert [len(row) for row in values] == [2] * 4
+        return all(
+            row == pytest.approx(true, abs=0.006 * span)  # with three digits at most
+            for row, true, span in zip(values, data, spans, strict=True)
+        )
+
+    wait_until(written, "the values")
     # Under the pointer, while it is there.
     over = page.locator(".u-over").nth(1)
     box = over.bounding_box()
     over.hover(position={"x": 0.2 * box["width"], "y": 20})
-    page.wait_for_timeout(300)
-    pointed = page.evaluate(VALUES)
     # The yaw turns by 2.5° from one instant of the chart to the next.
-    assert pointed[0] == pytest.approx(page.evaluate(DATA, 0.5)[0], abs=3.0)
-    assert pointed != values
+    pointed = page.evaluate(DATA, 0.5)[0]
+    assert pointed != pytest.approx(data[0], abs=6.0)
+    wait_until(lambda: page.evaluate(VALUES)[0] == pytest.approx(pointed, abs=3.0), "other values")
     page.mouse.move(10, 10)
-    page.wait_for_timeout(300)
-    assert page.evaluate(VALUES) == values
+    wait_until(written, "the values again")
 
 
 BOX = """() => { const box = document.querySelector('.llsrbm-hover');
@@ -171,8 +176,7 @@ BOX = """() => { const box = document.querySelector('.llsrbm-hover');
     [...row.children].map(cell => cell.textContent)) : null; }"""
 
 
-def test_the_box_has_all_lines_by_name(page):
-    simulate(page)
+def the_box_has_all_lines_by_name(page):
     choose(page, "Preset", "Joint torques and speeds")
     page.wait_for_function("document.querySelector('.u-title').textContent.startsWith('Largest')")
     titles = [chart["title"] for chart in page.evaluate(CHARTS)]
@@ -180,18 +184,17 @@ def test_the_box_has_all_lines_by_name(page):
     over = page.locator(".u-over").nth(3)
     box = over.bounding_box()
     over.hover(position={"x": 0.1 * box["width"], "y": 20})
-    page.wait_for_timeout(200)
+    wait_until(lambda: page.evaluate(BOX), "the box")
     found = page.evaluate(BOX)
     assert [name for name, *_ in found] == ["time", "plan", "simulation"]
     assert {unit for _, _, unit in found[1:]} == {"W"}
     assert not any("-0" in value and float(value) == 0 for _, value, _ in found)
     over = page.locator(".u-over").first
     over.hover(position={"x": 0.1 * box["width"], "y": 20})
-    page.wait_for_timeout(200)
-    assert [row[:2] for row in page.evaluate(BOX)[1:2]] == [["limit", "1.00"]]
+    limit = lambda: [row[:2] for row in (page.evaluate(BOX) or [])[1:2]]  # noqa: E731
+    wait_until(lambda: limit() == [["limit", "1.00"]], "the limit")
     page.mouse.move(10, 10)
-    page.wait_for_timeout(200)
-    assert page.evaluate(BOX) is None
+    wait_until(lambda: page.evaluate(BOX) is None, "no box")
 
 
 # ---- the area
@@ -225,9 +228,10 @@ def test_charts_are_as_wide_as_the_picture_and_cover_nothing(page, view, rows):
 
     wait_until(arranged, "the arrangement")
     drawn(page, OVERVIEW_CHARTS)
+    the_page_stays_where_it_is_whatever_is_scrolled_into_view(page)
 
 
-def test_the_page_stays_where_it_is_whatever_is_scrolled_into_view(page):
+def the_page_stays_where_it_is_whatever_is_scrolled_into_view(page):
     scrolled = """(where) => {
       const low = document.createElement("div");
       low.id = "low";
@@ -244,21 +248,24 @@ def test_the_page_stays_where_it_is_whatever_is_scrolled_into_view(page):
 
 def test_the_area_is_minimised_and_opened(page):
     drawn(page, OVERVIEW_CHARTS)
+    fields_of_viser_that_are_missing_are_named(page)
     page.locator("[data-llsrbm-pinned] [data-dock-minimize]").first.click()
     page.wait_for_function("document.querySelectorAll('.uplot').length === 0")
     tab(page, "Plots")
     box = page.get_by_label("Plot area")
     wait_until(lambda: not box.is_checked(), "the server's word")
-    page.wait_for_timeout(600)
-    boxes = page.evaluate(BOXES)
-    assert boxes["area"][3] - boxes["area"][1] < 40
-    assert boxes["picture"][3] <= boxes["area"][1] + 1
+
+    def flat():
+        boxes = page.evaluate(BOXES)
+        top, bottom = boxes["area"][1], boxes["area"][3]
+        return bottom - top < 40 and boxes["picture"][3] <= top + 1
+
+    wait_until(flat, "the picture in its place")
     box.click()
     drawn(page, OVERVIEW_CHARTS)
 
 
-def test_fields_of_viser_that_are_missing_are_named(page):
-    drawn(page, OVERVIEW_CHARTS)
+def fields_of_viser_that_are_missing_are_named(page):
     assert page.evaluate("llsrbm.plots.missing()") == []
     lost = """() => { const points = window.__viserTestpoints, uplots = points.uplots;
       delete points.uplots;
@@ -334,9 +341,7 @@ def test_values_are_zoomed_by_the_axis_and_stay_so(page):
     page.wait_for_function(f"zoomed => ({RANGE})()[1] > zoomed[1] + 0.1", arg=zoomed)
 
 
-def test_a_chart_is_copied_for_a_paper(page):
-    simulate(page)
-    drawn(page, OVERVIEW_CHARTS)
+def a_chart_is_copied_for_a_paper(page):
     chart = f"{IN_ORDER}[0].chart"
     svg = ET.fromstring(page.evaluate(f"llsrbm.plotFigure.svgOf({chart})"))
     assert svg.get("width") == "88mm"
