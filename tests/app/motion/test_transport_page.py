@@ -5,8 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.app.chromium import base_node, number, paused_at, player, press, status, tab, tick
-from tests.app.waits import wait_until
+from tests.app.chromium import (
+    base_node,
+    number,
+    paused_at,
+    player,
+    press,
+    settled,
+    status,
+    tab,
+    tick,
+)
+from tests.app.waits import eventually, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -40,10 +50,11 @@ def expected(session, node, time):
 
 def test_it_plays_in_real_time_and_the_server_says_nothing(page):
     base = base_node(page)
-    page.wait_for_timeout(1500)
     player(page, "play()")
-    page.wait_for_timeout(300)
-    heard = len(page.heard)
+    heard = None
+    while heard != len(page.heard):  # of what was done before
+        heard = len(page.heard)
+        page.wait_for_timeout(500)
     assert heard > 0
     poses = []
     for _ in range(8):
@@ -68,7 +79,9 @@ def test_without_repeating_it_stops_at_the_end_and_says_so(page):
     assert player(page, "loop") is True
 
 
-def test_arrows_step(page):
+def test_keys_step_and_are_no_commands_in_a_field(page):
+    what_is_typed_into_a_field_is_no_command(page)
+    page.evaluate("document.activeElement.blur()")
     arrows = {"ArrowRight": 1, "ArrowLeft": -1, "Shift+ArrowRight": 6, "Shift+ArrowLeft": -6}
     for key, frames in arrows.items():
         player(page, "play()")
@@ -81,7 +94,7 @@ def test_arrows_step(page):
         assert page.evaluate("window.scrollX + window.scrollY") == 0
 
 
-def test_what_is_typed_into_a_field_is_no_command(page):
+def what_is_typed_into_a_field_is_no_command(page):
     number(page, "Forward [m]").focus()
     for key in ("Home", "ArrowLeft", "ArrowRight", "End", "Space"):
         page.keyboard.press(key)
@@ -242,15 +255,19 @@ LABELS = """() => [...document.querySelectorAll("#llsrbm-transport .mark span")]
   })"""
 
 
-@pytest.mark.parametrize("width", [1280, 820])
-def test_labels_of_the_timeline_lie_over_nothing(page, width):
+def test_labels_of_the_timeline_lie_over_nothing(page):
     press(page, "Simulate")
     status(page, "Landed")
     assert page.locator("#llsrbm-transport .names > div").all_inner_texts() == [
         "plan", "simulation", "time [s]",
     ]  # fmt: skip
-    page.set_viewport_size({"width": width, "height": 800})
-    page.wait_for_timeout(600)  # the bar follows the picture
+    for width in (1280, 820):
+        page.set_viewport_size({"width": width, "height": 800})
+        settled(page)
+        eventually(assert_labels_lie_over_nothing, page)  # the bar follows the picture
+
+
+def assert_labels_lie_over_nothing(page):
     marks = page.locator("#llsrbm-transport .mark")
     titles = [mark.get_attribute("title") for mark in marks.all()]
     assert len(titles) >= 4  # push-off, lift-off, apex, touchdown, first contact ...
