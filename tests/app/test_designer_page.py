@@ -144,7 +144,7 @@ def assert_in_sight(page, width, height):
         )
         bar = page.locator("#llsrbm-transport").bounding_box()
         free = {**canvas, "height": bar["y"] - canvas["y"]}
-        if free["width"] <= 0.5 * width:
+        if free["width"] <= 0.5 * width or free["height"] < 100:
             return False
         robot = np.argwhere(dark(screenshot(page, clip=free)))
         if len(robot) <= 1500:
