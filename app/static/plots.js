@@ -35,7 +35,8 @@
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }
     [${GRID}] .uplot-container { margin: 0 6px 6px; }
-    .uplot .u-title { text-align: left; padding: 3px 8px 0; font-size: 12px; position: relative;
+    /* viser's own rule may come later */
+    .uplot .u-title.u-title { text-align: left; padding: 3px 8px 0; font-size: 12px; position: relative;
       white-space: nowrap; overflow: hidden; line-height: 1.5; }
     .uplot .u-title[draggable=true] { cursor: grab; }
     .${ONTO} { outline: 2px dashed var(--mantine-primary-color-filled); outline-offset: -2px; }

@@ -58,6 +58,18 @@ def site(folder):
     server.shutdown()
 
 
+@pytest.fixture(scope="module", params=["disk", "server"])
+def page(request, browser, folder):
+    """Its tests share it: one that loads another motion comes after those of the first."""
+    base = folder.as_uri() if request.param == "disk" else request.getfixturevalue("site")
+    yield from shown(browser, f"{base}/page.html")
+
+
+@pytest.fixture(scope="module")
+def served(browser, site):
+    yield from shown(browser, f"{site}/page.html")
+
+
 def shown(browser, address):
     with contextlib.closing(visitor(browser)) as context:
         page, faults = context.new_page(), []
@@ -68,25 +80,7 @@ def shown(browser, address):
         assert faults == []
 
 
-def test_a_frame_of_a_page_from_disk_is_controlled_by_messages(browser, folder):
-    for page in shown(browser, f"{folder.as_uri()}/page.html"):
-        it_plays_pauses_and_goes_where_it_is_sent(page)
-        what_makes_no_sense_is_refused_with_a_reason(page)
-        another_motion_is_loaded_by_its_address(page)
-
-
-def test_a_frame_of_a_site_is_controlled_by_messages_and_calls(browser, site):
-    for page in shown(browser, f"{site}/page.html"):
-        it_plays_pauses_and_goes_where_it_is_sent(page)
-        what_makes_no_sense_is_refused_with_a_reason(page)
-        a_script_of_the_same_origin_calls_it(page)
-        another_motion_is_loaded_by_its_bytes(page)
-        page.evaluate("heard.length = 0, say('load', 'jump.html')")
-        page.wait_for_function("latest('ready')?.end < 2")
-        another_motion_is_loaded_by_its_address(page)
-
-
-def it_plays_pauses_and_goes_where_it_is_sent(page):
+def test_it_plays_pauses_and_goes_where_it_is_sent(page):
     page.wait_for_function("latest('frame')?.playing")
     page.evaluate("say('pause')")
     page.wait_for_function("latest('frame').playing === false")
@@ -99,7 +93,7 @@ def it_plays_pauses_and_goes_where_it_is_sent(page):
     assert times == sorted(times)
 
 
-def what_makes_no_sense_is_refused_with_a_reason(page):
+def test_what_makes_no_sense_is_refused_with_a_reason(page):
     page.evaluate("say('pause')")
     for value in ("'soon'", "NaN", "undefined"):
         page.evaluate(f"heard.length = 0, say('seek', {value})")
@@ -110,29 +104,29 @@ def what_makes_no_sense_is_refused_with_a_reason(page):
     page.wait_for_function("latest('frame')?.time === 0.2")
 
 
-def another_motion_is_loaded_by_its_address(page):
+def test_another_motion_is_loaded_by_its_address(page):
     page.evaluate("heard.length = 0, say('load', 'other.html')")
     page.wait_for_function("latest('ready')?.end > 2")  # s; the first lasts 1.3
 
 
-def a_script_of_the_same_origin_calls_it(page):
-    page.evaluate("""() => {
+def test_a_script_of_the_same_origin_calls_it(served):
+    served.evaluate("""() => {
       window.inner = document.querySelector("iframe").contentWindow;
       inner.addEventListener("llsrbm-frame", ({ detail }) => (window.told = detail.time));
       inner.llsrbm.replay.pause();
       inner.llsrbm.replay.seek(0.3);
     }""")
-    page.wait_for_function("told === 0.3 && inner.llsrbm.replay.time === 0.3")
-    assert not page.evaluate("inner.llsrbm.replay.playing")
+    served.wait_for_function("told === 0.3 && inner.llsrbm.replay.time === 0.3")
+    assert not served.evaluate("inner.llsrbm.replay.playing")
 
 
-def another_motion_is_loaded_by_its_bytes(page):
-    page.evaluate("""async () => {
+def test_another_motion_is_loaded_by_its_bytes(served):
+    served.evaluate("""async () => {
       const bytes = await (await fetch("other.html")).arrayBuffer();
       heard.length = 0;
       say("load", bytes);
     }""")
-    page.wait_for_function("latest('ready')?.end > 2")
+    served.wait_for_function("latest('ready')?.end > 2")
 
 
 def test_a_notebook_shows_it_in_a_frame_that_cannot_reach_the_notebook(browser, site):
