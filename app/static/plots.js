@@ -35,9 +35,9 @@
     [${GRID}] > :has(${MARKER}) { grid-column: 1 / -1; position: sticky; top: 0; z-index: 110;
       background: var(--mantine-color-body); }
     [${GRID}] .uplot-container { margin: 0 6px 6px; }
-    /* viser's own rule may come later */
-    .uplot .u-title.u-title { text-align: left; padding: 3px 8px 0; font-size: 12px; position: relative;
-      white-space: nowrap; overflow: hidden; line-height: 1.5; }
+    /* Doubled: viser's own rule may come later. */
+    .uplot .u-title.u-title { padding: 3px 8px 0; overflow: hidden; white-space: nowrap;
+      font-size: 12px; line-height: 1.5; text-align: left; position: relative; }
     .uplot .u-title[draggable=true] { cursor: grab; }
     .${ONTO} { outline: 2px dashed var(--mantine-primary-color-filled); outline-offset: -2px; }
     .llsrbm-values { position: absolute; right: 0; top: 3px; padding: 0 8px 0 0.3em; font-weight: 400;
