@@ -76,7 +76,7 @@ def test_words_are_no_markup(installed):
 
 
 def test_the_page_is_loaded_where_it_is_wanted():
-    """Whoever registers a format may be imported before the others are known."""
+    """A module that registers one format may be imported before those of the others."""
     code = "import sys, llsrbm.motion.notebook; assert 'app' not in sys.modules; import app.replay;"
     code += "from llsrbm.formats import FORMATS; assert FORMATS['html']"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
