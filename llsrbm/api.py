@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.certified_nearest import NOT_FOUND, plan_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
@@ -18,14 +19,12 @@ from llsrbm.motion.rollout import Rollout
 from llsrbm.ocp.solvers import names as solver_names
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
-from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
+from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.solve.watch import PlanningProgress
-from llsrbm.planning.whole_body.refine import planned
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import Jump, not_feasible
 from llsrbm.request.jump_types import of_its_type
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
 
@@ -50,8 +49,9 @@ def plan(
 
     The plan is the whole body's, with its certificate; `Plan.certified`: it holds. It begins from
     jumps nearby that were solved before, if the robot has a table of some and its certificate holds
-    so; else from a draft, the centroidal plan of the first stage. Where the whole body's problem
-    finds none the draft is returned, which `Plan.refined` and `refinement` say.
+    so; else from a draft, the centroidal plan of the first stage. Where no certificate holds, nor
+    one of less of the request, it is what was found, at least the draft: `Plan.certified`,
+    `Plan.refined` and `refinement` say so.
 
     Args:
         jump: the request.
@@ -93,26 +93,28 @@ def plan(
 def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool) -> Plan:
     """From a table's jumps where there are some and the certificate holds so; else from a draft."""
     planner = CertifiedPlanner(
-        guesses=guesses, cancelled=drafting.cancelled, progress=drafting.progress
+        guesses=guesses and drafting.solver == solver_names()[0],
+        cancelled=drafting.cancelled,
+        progress=drafting.progress,
     )
-    before_drafts = guesses and drafting.solver == solver_names()[0]
-    if before_drafts:
-        counts = layout_of(task.jump, robot, drafting.intervals).intervals
-        begun = planned(
-            task,
-            with_strength(robot),
-            counts,
-            cancelled=drafting.cancelled,
-            progress=drafting.progress,
-        )
-        if begun is not None and (found := planner.checked(begun)).certified:
-            return found
+    found = planner.from_table(task, drafting.intervals)
+    if found is not None:
+        return found
     try:
         draft = drafting.draft(task.jump, robot)
     except NotConverged as error:
-        nearest = error.nearest and planner.plan(error.nearest)
-        raise error.with_plans(error.plan, nearest) from None
-    return replace(planner, guesses=guesses and not before_drafts).plan(draft)
+        if error.nearest is None:
+            raise
+        less = plan_or_nearest(planner, error.nearest, task.jump)
+        message = not_feasible(error.reason, task.jump, less.jump)
+        raise NotConverged(message, error.plan, error.stops, less, error.reason) from None
+    if not drafting.patient:
+        return replace(planner, guesses=False).plan(draft)
+    found = plan_or_nearest(planner, draft, task.jump, tried=True)
+    if found.jump != task.jump:
+        message = not_feasible(NOT_FOUND, task.jump, found.jump)
+        raise NotConverged(message, draft, nearest=found, reason=NOT_FOUND)
+    return found
 
 
 def simulate(

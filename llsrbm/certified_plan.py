@@ -9,9 +9,16 @@ from functools import partial
 from llsrbm.certificate import certified
 from llsrbm.certificate.power import BatteryCurrent, Regeneration, WindingHeat
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
-from llsrbm.planning.whole_body.refine import refined, refiner_of
+from llsrbm.planning.whole_body.refine import planned, refined, refiner_of
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
+from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 
 FINER = 1.5  # times as many intervals where a certificate does not hold
@@ -45,7 +52,7 @@ class CertifiedPlanner:
         certificate; its `refinement` says so. Raises `Cancelled`: `cancelled` was true.
         """
         found = self.checked(self._refined(draft, 1.0))
-        if not found.refined or not _depends_on_grid(found):
+        if not found.refined or not may_hold_elsewhere(found):
             return found
         # Its solver is built first, which takes seconds.
         self._watch.begin("a check does not hold: planning again with more intervals")
@@ -54,6 +61,30 @@ class CertifiedPlanner:
         assert best.refinement is not None
         assert other.refinement is not None
         return replace(best, refinement=best.refinement.beside(other.refinement))
+
+    def nearby(self, draft: Plan, jump: Jump) -> Plan | None:
+        """`from_table` of another jump under a draft's weights and limits."""
+        return self.from_table(
+            make_task(jump, robot_of(draft), draft.tuning.weights, draft.tuning.limits)
+        )
+
+    def from_table(self, task: Task, intervals: int = INTERVALS) -> Plan | None:
+        """The certified plan of a task, begun from the robot's table; None: not found from there.
+
+        `intervals`: as for three phases. Raises `Cancelled`: `cancelled` was true.
+        """
+        if not self.guesses:
+            return None
+        robot = with_strength(self.robot or load_robot(task.jump.robot))
+        begun = planned(
+            task,
+            robot,
+            layout_of(task.jump, robot, intervals).intervals,
+            cancelled=self.cancelled,
+            progress=self.progress,
+        )
+        found = begun and self.checked(begun)
+        return found if found is not None and found.certified else None
 
     def checked(self, plan: Plan) -> Plan:
         """A plan with its certificate; a draft as it is."""
@@ -80,8 +111,10 @@ class CertifiedPlanner:
         )
 
 
-def _depends_on_grid(plan: Plan) -> bool:
-    """Whether a certificate fails in something that rows between more nodes may hold."""
+def may_hold_elsewhere(plan: Plan) -> bool:
+    """Whether what failed has rows, which more nodes or less of a jump may hold."""
+    if not plan.refined:
+        return not plan.jump.turns
     return any(
         finding["holds"] is False and name not in WITHOUT_ROWS
         for name, finding in (plan.certificate or {}).items()

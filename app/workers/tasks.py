@@ -134,9 +134,10 @@ class PlanJump(Task):
 
 @dataclass(frozen=True, eq=False)
 class RefinePlan(Task):
-    """Find the whole body's plan from a centroidal one."""
+    """Find the whole body's plan from a centroidal one, or that of a jump that does less."""
 
     plan: Plan  # a solved one
+    wanted: Jump  # what was asked for, of which it is the plan or the nearest one
     kind = Kind.REFINE
 
     @property

@@ -88,7 +88,8 @@ class LibraryPlanner:
     def refine(
         self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """The whole body's plan from a plan, or that plan, which says that there was none."""
+        """The whole body's plan from a draft or of less; that draft where none was found."""
+        from llsrbm.certified_nearest import plan_or_nearest
         from llsrbm.certified_plan import CertifiedPlanner
         from llsrbm.look.titles import title_of_robot
 
@@ -100,10 +101,11 @@ class LibraryPlanner:
                 lasts=_BUILDING,
             )
             self._refined.add(solver)
-        return CertifiedPlanner(
+        planner = CertifiedPlanner(
             progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
-        ).plan(task.plan)
+        )
+        return plan_or_nearest(planner, task.plan, task.wanted)
 
     def simulate(
         self,

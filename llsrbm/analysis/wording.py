@@ -62,12 +62,22 @@ class InWords:
 
 
 def plan_rows(plan: Plan) -> list[TitledValue]:
-    """The plan's figures."""
+    """The plan's figures; of one that was not found how it was looked for, and what is violated."""
+    rows = _motion_rows(plan) if plan.solved else []
+    rows.append(("Solver", _solver(plan)))
+    if plan.refinement is not None:
+        rows.append(("Whole body", _refinement(plan.refinement)))
+    rows.append(("Certificate", certificate_words(plan)))
+    return [*rows, ("Largest violation", worst_violation(plan))]
+
+
+def _motion_rows(plan: Plan) -> list[TitledValue]:
+    """Figures of a motion that satisfies the planner's constraints."""
     shown, load = InWords(figures_of_plan(plan)), planned_peak_load(plan)
-    rows = [("Duration", f"{shown['duration_s']} = {_phases(plan)}")]
-    rows += [("Turn", f"{shown['final_yaw']}, at most {shown['peak_yaw_rate']}")]
     standing = float(plan.inertia[0, 2, 2])
-    rows += [
+    rows = [
+        ("Duration", f"{shown['duration_s']} = {_phases(plan)}"),
+        ("Turn", f"{shown['final_yaw']}, at most {shown['peak_yaw_rate']}"),
         (
             FIGURE["smallest_Izz"].title,
             f"{shown['smallest_Izz']} ({decimal(standing, 2)} standing)",
@@ -79,12 +89,7 @@ def plan_rows(plan: Plan) -> list[TitledValue]:
     if load is not None:
         sliding = load_robot(plan.jump.robot).sliding_joints
         rows.append(("Most loaded joint", f"{load.joint} {load.in_words(sliding)}"))
-    rows += power_rows(power_forecast(plan))
-    rows.append(("Solver", _solver(plan)))
-    if plan.refinement is not None:
-        rows.append(("Whole body", _refinement(plan.refinement)))
-    rows.append(("Certificate", certificate_words(plan)))
-    return [*rows, ("Largest violation", worst_violation(plan))]
+    return [*rows, *power_rows(power_forecast(plan))]
 
 
 def _phases(plan: Plan) -> str:

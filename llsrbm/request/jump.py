@@ -27,6 +27,9 @@ AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "e
 COMPONENTS = ("twist", "forward", "lateral", "height")
 """Fields of a `Jump` that say where it leads."""
 
+STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
+"""Whole steps (rad, m) of which the components of nearest jumps are."""
+
 TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops")
 """Fields of a `Jump` beyond where to land, which a jump type may ask for."""
 
@@ -170,6 +173,12 @@ def changes(wanted: Jump, found: Jump) -> str:
         f"{'' if list(differ) == ['twist'] else name.replace('_', ' ') + ' '}{new} instead of {old}"
         for name, (new, old) in differ.items()
     )
+
+
+def not_feasible(reason: str, wanted: Jump, nearest: Jump) -> str:
+    """That a jump cannot be planned, why, and the nearest one that can, in words."""
+    less = changes(wanted, nearest) or "almost the request"
+    return f"not feasible: {reason}; nearest: {less}"
 
 
 def _amount(name: str, jump: Jump) -> str:

@@ -44,5 +44,7 @@ def show_again(state: TabState, shown: Shown) -> Step:
     state = replace(state, shown=shown, given=None, seeds=None, status=status)
     if state.whole_body and shown.plan.refinement is None:
         state = replace(state, status=replace(status, busy=True))
-        return joined((*stop, Keep(design)), submit(state, tasks.RefinePlan(shown.plan)))
+        return joined(
+            (*stop, Keep(design)), submit(state, tasks.RefinePlan(shown.plan, shown.request))
+        )
     return joined((*stop, Keep(design)), simulate_again(state))

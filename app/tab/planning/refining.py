@@ -14,6 +14,7 @@ from app.tab.shown import Given, Shown
 from app.tab.simulating import simulate_next
 from app.tab.state import TabState
 from app.workers import reports, tasks
+from llsrbm.certified_nearest import NOT_FOUND
 from llsrbm.motion.plan import Plan
 
 FOLLOWS = "(the whole body's plan follows) ..."
@@ -57,7 +58,7 @@ def refine(state: TabState) -> Step:
     shown = state.shown
     assert shown is not None
     state = replace(state, status=_status(state, shown, FOLLOWS))
-    return submit(state, tasks.RefinePlan(shown.plan))
+    return submit(state, tasks.RefinePlan(shown.plan, shown.request))
 
 
 def show_given_refined(state: TabState, given: Given) -> Step:
@@ -91,9 +92,13 @@ def _show(state: TabState, plan: Plan, centroidal: Plan | None = None) -> Step:
     shown, robot = state.shown, state.robot
     if shown is None or robot is None:
         return state, ()
-    reason = shown.reason
+    wanted, reason = shown.wanted, shown.reason
+    if wanted is None and centroidal is not None and plan.jump != centroidal.jump:
+        wanted, reason = centroidal.jump, NOT_FOUND
+    elif wanted == plan.jump:  # a draft again, of which the whole body does less
+        wanted, reason = None, ""
     state = show_plan(
-        state, plan, robot, shown.source, shown.wanted, reason=reason, centroidal=centroidal
+        state, plan, robot, shown.source, wanted, reason=reason, centroidal=centroidal
     )
     assert state.shown is not None
     return simulate_next(replace(state, status=_status(state, state.shown)))

@@ -38,8 +38,9 @@ def plan_design(state: TabState) -> Step:
         state = state.with_status(Verdict.PLANNING, "begins when the robot is ready.", busy=True)
         return submit(state, tasks.Prepare(name))
     state = _of_a_supported_type(state)
-    design = state.design
-    dragging, task = state.work.dragging.request(design.jump, design.tuning, state.plan)
+    design, shown = state.design, state.shown
+    start = None if shown is None else shown.centroidal or shown.plan
+    dragging, task = state.work.dragging.request(design.jump, design.tuning, start)
     state = state.with_work(dragging=dragging)
     if task is None:
         return state, ()

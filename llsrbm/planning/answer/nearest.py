@@ -26,10 +26,8 @@ from llsrbm.planning.solve.formulation import (
     scaled,
 )
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.jump import COMPONENTS, STEPS, Jump
 
-# rad and m: results are whole steps of the components that are reduced.
-STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
 GUESSED_SHARE = 0.5  # share of the request that is guessed
 # Costs of a whole range that is given up. With the first a solve gets there, with the second it
 # keeps what is merely expensive: 14 to 20 degrees of hard jumps.

@@ -33,7 +33,7 @@ from llsrbm.planning.problem.violations import (
 )
 from llsrbm.planning.solve.formulation import Attempt
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.request.jump import changes
+from llsrbm.request.jump import not_feasible
 
 # Of a limit, or of its unit where it is next to nothing: the step with which gains are measured.
 STEP, LEAST = 0.01, 0.01
@@ -86,7 +86,7 @@ def refusal(
     """
     found = stops_of(nearest, watch) if explains else stops_at(nearest)
     reason = sentence(found)
-    message = f"not feasible: {reason}; nearest: {changes(task.jump, less.jump)}"
+    message = not_feasible(reason, task.jump, less.jump)
     return NotConverged(message, last, found, less, reason)
 
 

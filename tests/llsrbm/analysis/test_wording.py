@@ -44,6 +44,15 @@ def test_a_plan(plan):
     assert "take-off 0.20 + rear push (LH, RH) 0.20 + flight 0.50 + landing 0.40" in rear
 
 
+def test_what_was_not_found_has_no_figures_of_a_motion(plan):
+    failed = replace(plan, report=replace(plan.report, status="not-converged"))
+    assert [title for title, _ in plan_rows(failed)] == [
+        "Solver",
+        "Certificate",
+        "Largest violation",
+    ]
+
+
 def test_the_most_loaded_joint(plan):
     torque = plan.joint_torque.copy()
     torque[3, plan.joint_names.index("RH_KFE")] = 34.0

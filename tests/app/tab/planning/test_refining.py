@@ -161,3 +161,24 @@ def test_another_robot_that_is_being_prepared_is_not_forgotten(event):
     tab.take(event)
     assert tab.state.work.awaited is awaited
     assert tab.of(Submit) == []
+
+
+def test_where_the_whole_body_does_less_that_is_the_nearest_to_what_was_asked():
+    tab = refining()
+    task = tab.submits[-1].task
+    assert task.wanted == task.plan.jump
+    less = replace(task.plan.jump, twist=task.plan.jump.twist / 2)
+    tab.report(Planned(0, refined_plan(replace(task.plan, jump=less))))
+    assert tab.told[0] is Verdict.NEAREST
+    assert tab.state.shown.wanted == task.plan.jump
+    first, reason = tab.state.status.points
+    assert "instead of" in first
+    assert reason.startswith("No motion of the whole body")
+    tab.take(WholeBody(False))  # the draft does all of it
+    assert tab.state.shown.wanted is None
+    assert tab.told[0] is Verdict.DRAFT
+    tab.take(WholeBody(True))
+    tab.report(Planned(0, refined_plan(replace(task.plan, jump=less))))
+    tab.take(Act.NEAREST)
+    assert tab.state.design.jump == less
+    assert tab.told[0] is Verdict.FEASIBLE

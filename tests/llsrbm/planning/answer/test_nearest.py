@@ -11,14 +11,14 @@ import llsrbm
 from llsrbm.errors import Cancelled, InputError, JointNeed, NotConverged, Stop
 from llsrbm.mechanics import turns_about_z
 from llsrbm.ocp.solvers import FROM_GUESS
-from llsrbm.planning.answer.nearest import STEPS, distance, find_nearest
+from llsrbm.planning.answer.nearest import distance, find_nearest
 from llsrbm.planning.answer.planner import BY_NEARER, planner_for
 from llsrbm.planning.answer.reasons import gains, sentence, stops_at
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.violations import TOLERANCE
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.request.jump import Jump, changes
+from llsrbm.request.jump import STEPS, Jump, changes
 from llsrbm.robots import load_robot
 
 ANYMAL = load_robot("anymal")
