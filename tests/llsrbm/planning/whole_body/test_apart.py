@@ -63,14 +63,12 @@ def lowest_once_landed(plan):
     return plan.base_position[landed, 2].min() - plan.foot_position[-1, :, 2].min()
 
 
-@pytest.mark.nightly  # few jumps sink so far, and they take long
 def test_once_it_has_landed_the_trunk_keeps_from_the_ground(monkeypatch):
-    jump = llsrbm.Jump(robot="go2", twist=3.01, forward=-0.07, lateral=-0.24, height=0.07)
-    draft = llsrbm.plan(jump, draft=True)
+    draft = llsrbm.plan(llsrbm.Jump(robot="go2", twist=2.32), draft=True)
     keeps = refined(draft)
     assert keeps.refined
     monkeypatch.setattr(start_module, "SINKS", 0.0)
-    assert lowest_once_landed(keeps) > lowest_once_landed(refined(draft)) + 0.008
+    assert lowest_once_landed(keeps) > lowest_once_landed(refined(draft)) + 0.03
 
 
 def test_the_trunk_keeps_away_after_every_flight_and_not_before():
