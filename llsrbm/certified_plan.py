@@ -8,6 +8,7 @@ from functools import partial
 
 from llsrbm.certificate import certified
 from llsrbm.certificate.power import BatteryCurrent, Regeneration, WindingHeat
+from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
@@ -15,6 +16,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.planning.whole_body.learned import fits
 from llsrbm.planning.whole_body.refine import planned, refined, refiner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -64,9 +66,14 @@ class CertifiedPlanner:
 
     def nearby(self, draft: Plan, jump: Jump) -> Plan | None:
         """`from_table` of another jump under a draft's weights and limits."""
-        return self.from_table(
-            make_task(jump, robot_of(draft), draft.tuning.weights, draft.tuning.limits)
-        )
+        tuning = draft.tuning
+        if not fits(replace(jump, stones=()), tuning):  # less of a gap may be no gap at all
+            return None
+        try:
+            task = make_task(jump, self.robot or robot_of(draft), tuning.weights, tuning.limits)
+        except InputError:  # a leg does not reach its stone there
+            return None
+        return self.from_table(task)
 
     def from_table(self, task: Task, intervals: int = INTERVALS) -> Plan | None:
         """The certified plan of a task, begun from the robot's table; None: not found from there.

@@ -76,3 +76,8 @@ def test_a_table_answers_for_less_of_a_draft():
     assert found.certified
     assert found.jump == less
     assert CertifiedPlanner(guesses=False).nearby(draft, less) is None
+
+
+def test_of_types_without_a_table_no_less_is_looked_for():
+    draft = planned("go2")
+    assert CertifiedPlanner().nearby(draft, replace(draft.jump, type="gap", forward=0.0)) is None
