@@ -212,7 +212,7 @@ def describe(result: dict[str, Any]) -> str:
         f"saturated {100 * result['saturated_fraction']:4.1f} % "
         f"({joint} {100 * share:.0f} % in {phase}) "
         f"{result['iterations']} it {'' if result['certified'] else 'not certified '}"
-        f"{result['reason']}"
+        f"{result['reason'] or result['touched']}"
     )
 
 
