@@ -134,6 +134,14 @@ class Grid:
         """The phase in which a knot, or a middle after one, is; the later one at its edge."""
         return min(int(self.shares[half]), len(self.phases) - 1)
 
+    @cached_property
+    def landed(self) -> NDArray[np.bool_]:
+        """(2 N + 1,) where legs stand after a flight."""
+        stands = np.array([bool(legs) for legs, _ in self.phases])
+        after = stands & (np.cumsum(~stands) > 0)
+        found: NDArray[np.bool_] = after[[self.phase_at(half) for half in range(len(self.shares))]]
+        return found
+
     @property
     def name(self) -> str:
         """For the cache."""
