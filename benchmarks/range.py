@@ -155,9 +155,9 @@ def table(results: list[dict[str, Any]]) -> Iterator[str]:
     """One row a robot, estimator and kind."""
     yield (
         f"{'robot':8} {'estimator':9} {'kind':14} {'requests':>8} {'offered':>8} "
-        f"{'holds':>6} {'of these':>8} {'stand':>6} {'strict':>6} {'of offered':>10} {'of all':>7} {'yaw med':>8} "
-        f"{'worst':>6} {'<5deg':>6} {'sat med':>8} {'worst':>6} {'torque':>7} "
-        f"{'unsolved':>8} {'moved':>6}"
+        f"{'holds':>6} {'of these':>8} {'stand':>6} {'strict':>6} {'of offered':>10} "
+        f"{'of all':>7} {'yaw med':>8} {'worst':>6} {'<5deg':>6} {'sat med':>8} {'worst':>6} "
+        f"{'torque':>7} {'unsolved':>8} {'moved':>6}"
     )
     for robot, estimator in dict.fromkeys((r["robot"], r["estimator"]) for r in results):
         for kind in (*KINDS, "all"):

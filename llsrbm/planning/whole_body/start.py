@@ -40,9 +40,9 @@ OWN = {
     "near": 30.0,
     **dict.fromkeys(("level", "turning", "joint_speed", "posture", "time"), 0.0),
 }
-# Times the weight of a level trunk where legs stand after a flight: of Go2's and ANYmal's jumps that
-# come down leaning by less than 8 degrees 315 of 323 land strictly, of those by more than 11 one
-# of six.
+# Times the weight of a level trunk where legs stand after a flight: of Go2's and ANYmal's jumps
+# that come down leaning by less than 8 degrees 315 of 323 land strictly, of those by more than 11
+# one of six.
 LANDS_LEVEL = 200.0
 STRAIGHTER = 5.0  # times the costs of what is steep, where much is missing between the nodes
 INSIDE = 1e-3  # s, of a duration's bounds
