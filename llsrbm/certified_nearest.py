@@ -52,7 +52,8 @@ def plan_or_nearest(
         less, share = _less(planner, draft, reduced)
     if less is not None and share >= ENOUGH:
         return less
-    found = replace(planner, guesses=False).plan(draft)
+    # What is nearest need not be this one: a solver of a finer grid is not built for it.
+    found = replace(planner, guesses=False, finer=False).plan(draft)
     return found if found.certified or less is None else less
 
 

@@ -35,6 +35,7 @@ class CertifiedPlanner:
     Attributes:
         robot: the one that plans name, with other drives; None: as it is.
         guesses: begin from jumps nearby that were solved before, where the robot has a table.
+        finer: plan again with more intervals where a certificate does not hold.
         settles: wait until solvers are compiled, so that results are the same whenever they are
             computed.
         cancelled: polled; true: `Cancelled`; progress: told of each step.
@@ -42,6 +43,7 @@ class CertifiedPlanner:
 
     robot: Robot | None = None
     guesses: bool = True
+    finer: bool = True
     settles: bool = False
     cancelled: Callable[[], bool] | None = None
     progress: Progress | None = None
@@ -54,7 +56,7 @@ class CertifiedPlanner:
         certificate; its `refinement` says so. Raises `Cancelled`: `cancelled` was true.
         """
         found = self.checked(self._refined(draft, 1.0))
-        if not found.refined or not may_hold_elsewhere(found):
+        if not (self.finer and found.refined and may_hold_elsewhere(found)):
             return found
         # Its solver is built first, which takes seconds.
         self._watch.begin("a check does not hold: planning again with more intervals")

@@ -21,6 +21,7 @@ class Whole:
 
     twist: float
     guesses: bool = True
+    finer: bool = True
     searched: list = field(default_factory=list)
 
     def nearby(self, draft, jump):
