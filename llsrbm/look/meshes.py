@@ -16,6 +16,8 @@ _SIMPLE = 200  # faces of a part that are kept in any case
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 _COARSE_CREASE = np.radians(60.0)  # the same of a coarse mesh, which has few vertices to split
 _COARSE_CELL = 0.042  # of the legs' length: what is smaller is one point in a coarse mesh
+_LETTERS = 0.1  # of the legs' length: patches of a colour that are smaller are left out, coarsely
+_SAMPLES = 20_000  # points on a surface, of which most around a patch count
 _THIN = 0.6  # share of a bar's thickness that is one point: less than all, or it is flat
 _THINNEST = 0.007  # of the legs' length: thinner bars, sheets and open shells are as all else
 
@@ -63,35 +65,73 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
 def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     """The surface with about a third of the faces, coloured as it was nearby; `size`: m."""
     # Not collapsed edge by edge, which would tear thin tubes of few and long triangles.
-    colours = np.asarray(part.visual.vertex_colors)[:, :3]
+    colours = _without_letters(part, _LETTERS * size)
     piece = _pieces(part, 1e-5 * size)
     cell = np.minimum(_THIN * _thickness(part, piece), _COARSE_CELL * size)
     cell[cell < _THINNEST * size] = _COARSE_CELL * size
-    apart = np.column_stack([piece, colours >> 6])  # what is another colour stays so
-    mesh = _clustered(part, cell[piece, None], apart)
+    # What is another colour stays so, and is where its neighbours are.
+    mesh = _clustered(part, cell[piece, None], piece[:, None], colours >> 6)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
-    return _creased(mesh, _COARSE_CREASE, part)
+    return _creased(mesh, _COARSE_CREASE, part, colours)
 
 
-def _creased(mesh: trimesh.Trimesh, angle: float, part: trimesh.Trimesh) -> trimesh.Trimesh:
-    """The mesh with edges sharper than `angle`, rad, kept sharp, coloured as `part` is nearby."""
+def _without_letters(part: trimesh.Trimesh, largest: float) -> NDArray[np.uint8]:
+    """(V, 3) colours, but of patches smaller than `largest`, m, what most around them has: of
+    letters and marks coarse meshes would leave shards.
+    """
+    import trimesh
+    from scipy.spatial import cKDTree
+
+    own = np.asarray(part.visual.vertex_colors)[:, :3]
+    kinds, kind = np.unique(own, axis=0, return_inverse=True)
+    kind, patch = kind.reshape(-1), _pieces(part, 1e-5, kind.reshape(-1).astype(np.int64))
+    points, faces = trimesh.sample.sample_surface(part, _SAMPLES, seed=0)
+    corner = np.asarray(part.faces)[faces, 0]
+    tree, found = cKDTree(points), own.copy()
+    for number in range(patch.max() + 1):
+        of_patch = patch == number
+        places = np.asarray(part.vertices)[of_patch]
+        if np.linalg.norm(np.ptp(places, axis=0)) > largest:
+            continue
+        near = np.unique(np.concatenate(tree.query_ball_point(places, largest / 2))).astype(int)
+        near = near[patch[corner[near]] != number]
+        if len(near):
+            found[of_patch] = kinds[np.bincount(kind[corner[near]]).argmax()]
+    return found
+
+
+def _creased(
+    mesh: trimesh.Trimesh,
+    angle: float,
+    part: trimesh.Trimesh,
+    colours: NDArray[np.uint8] | None = None,
+) -> trimesh.Trimesh:
+    """The mesh with edges sharper than `angle`, rad, kept sharp, coloured as `part` is nearby, or
+    as its vertices with these colours (V, 3).
+    """
     import trimesh
     from scipy.spatial import cKDTree
 
     smooth = trimesh.graph.smooth_shade(mesh, angle=angle, facet_minarea=None)
     nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(smooth.vertices))[1]
+    if colours is None:
+        colours = np.asarray(part.visual.vertex_colors)[:, :3]
     return trimesh.Trimesh(
         smooth.vertices,
         smooth.faces,
         vertex_normals=smooth.vertex_normals,
-        vertex_colors=np.asarray(part.visual.vertex_colors)[nearest, :3],
+        vertex_colors=colours[nearest],
         process=False,
     )
 
 
-def _pieces(mesh: trimesh.Trimesh, cell: float) -> IntArray:
-    """(V,) number of the connected piece that each vertex is of; vertices in one place are one."""
+def _pieces(mesh: trimesh.Trimesh, cell: float, kind: IntArray | None = None) -> IntArray:
+    """(V,) number of the connected piece that each vertex is of; vertices in one place, and of one
+    kind (V,), are one.
+    """
     cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
+    if kind is not None:
+        cells = np.column_stack([cells, kind])
     place = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
     edges = place[mesh.faces[:, [0, 1, 1, 2]]].reshape(-1, 2)
     return _connected(edges, place.max() + 1)[place]
@@ -118,22 +158,29 @@ def _thickness(mesh: trimesh.Trimesh, piece: IntArray) -> Array:
 
 
 def _clustered(
-    mesh: trimesh.Trimesh, cell: float | Array, apart: NDArray[Any] | None = None
+    mesh: trimesh.Trimesh,
+    cell: float | Array,
+    apart: NDArray[Any] | None = None,
+    unlike: NDArray[Any] | None = None,
 ) -> trimesh.Trimesh:
     """Vertices in the same cell of a grid made one, without the faces that vanish by it.
 
-    cell: m, of all or (V, 1); apart: (V, K) numbers in which those that are made one are equal.
+    cell: m, of all or (V, 1); apart, unlike: (V, K) numbers in which those that are made one are
+    equal; those that differ in `unlike` alone lie in one place.
     """
     import trimesh
 
     cells = np.round(np.asarray(mesh.vertices) / cell).astype(np.int64)
     if apart is not None:
         cells = np.column_stack([cells, apart])
-    _, first, merged = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    _, first, place = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+    where = first[place.reshape(-1)]  # of each vertex, the one in whose place it is
+    kinds = where[:, None] if unlike is None else np.column_stack([where, unlike])
+    _, first, merged = np.unique(kinds, axis=0, return_index=True, return_inverse=True)
     faces = merged.reshape(-1)[mesh.faces]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
-    joined = trimesh.Trimesh(mesh.vertices[first], faces, process=False)
+    joined = trimesh.Trimesh(mesh.vertices[where[first]], faces, process=False)
     joined.update_faces(joined.unique_faces())
     joined.remove_unreferenced_vertices()
     return joined
