@@ -16,7 +16,9 @@ _SIMPLE = 200  # faces of a part that are kept in any case
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 _COARSE_CREASE = np.radians(60.0)  # the same of a coarse mesh, which has few vertices to split
 _COARSE_CELL = 0.042  # of the legs' length: what is smaller is one point in a coarse mesh
-_LETTERS = 0.1  # of the legs' length: patches of a colour that are smaller are left out, coarsely
+_OF_SHEET, _DETAIL = 0.08, 0.35  # a sheet's points are at most that share of it, or of the legs'
+_LETTERS = 0.085  # of the legs' length: patches of a colour that are smaller are left out, coarsely
+_FROM, _TELLING = "from", 1e-6  # m, by which vertices of two colours in one place differ
 _SAMPLES = 20_000  # points on a surface, of which most around a patch count
 _THIN = 0.6  # share of a bar's thickness that is one point: less than all, or it is flat
 _THINNEST = 0.007  # of the legs' length: thinner bars, sheets and open shells are as all else
@@ -59,7 +61,7 @@ def simplified(part: trimesh.Trimesh, faces: int, size: float) -> trimesh.Trimes
         mesh = trimesh.Trimesh(vertices, triangles, process=False)
     mesh = _clustered(mesh, 1e-5 * size)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
-    return _creased(mesh, _CREASE, part)
+    return _creased(mesh, _CREASE, part.vertices, np.asarray(part.visual.vertex_colors)[:, :3])
 
 
 def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
@@ -68,11 +70,14 @@ def coarser(part: trimesh.Trimesh, size: float) -> trimesh.Trimesh:
     colours = _without_letters(part, _LETTERS * size)
     piece = _pieces(part, 1e-5 * size)
     cell = np.minimum(_THIN * _thickness(part, piece), _COARSE_CELL * size)
-    cell[cell < _THINNEST * size] = _COARSE_CELL * size
+    sheet = cell < _THINNEST * size
+    detail = np.maximum(_extent(part, piece), _DETAIL * size)
+    cell[sheet] = np.minimum(_COARSE_CELL * size, _OF_SHEET * detail)[sheet]
     # What is another colour stays so, and is where its neighbours are.
     mesh = _clustered(part, cell[piece, None], piece[:, None], colours >> 6)
     mesh.update_faces(mesh.nondegenerate_faces(height=1e-6 * size))
-    return _creased(mesh, _COARSE_CREASE, part, colours)
+    colours = colours[mesh.vertex_attributes[_FROM]]
+    return _creased(mesh, _COARSE_CREASE, np.asarray(mesh.vertices), colours)
 
 
 def _without_letters(part: trimesh.Trimesh, largest: float) -> NDArray[np.uint8]:
@@ -101,21 +106,16 @@ def _without_letters(part: trimesh.Trimesh, largest: float) -> NDArray[np.uint8]
 
 
 def _creased(
-    mesh: trimesh.Trimesh,
-    angle: float,
-    part: trimesh.Trimesh,
-    colours: NDArray[np.uint8] | None = None,
+    mesh: trimesh.Trimesh, angle: float, places: Array, colours: NDArray[np.uint8]
 ) -> trimesh.Trimesh:
-    """The mesh with edges sharper than `angle`, rad, kept sharp, coloured as `part` is nearby, or
-    as its vertices with these colours (V, 3).
+    """The mesh with edges sharper than `angle`, rad, kept sharp, coloured as the nearest of places
+    (P, 3) m is.
     """
     import trimesh
     from scipy.spatial import cKDTree
 
     smooth = trimesh.graph.smooth_shade(mesh, angle=angle, facet_minarea=None)
-    nearest = cKDTree(np.asarray(part.vertices)).query(np.asarray(smooth.vertices))[1]
-    if colours is None:
-        colours = np.asarray(part.visual.vertex_colors)[:, :3]
+    nearest = cKDTree(places).query(np.asarray(smooth.vertices))[1]
     return trimesh.Trimesh(
         smooth.vertices,
         smooth.faces,
@@ -146,6 +146,14 @@ def _connected(edges: IntArray, count: int) -> IntArray:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
+def _extent(mesh: trimesh.Trimesh, piece: IntArray) -> Array:
+    """(P,) m, the diagonal of the box about each piece."""
+    low, high = np.full((piece.max() + 1, 3), np.inf), np.full((piece.max() + 1, 3), -np.inf)
+    np.minimum.at(low, piece, mesh.vertices)
+    np.maximum.at(high, piece, mesh.vertices)
+    return np.asarray(np.linalg.norm(high - low, axis=1))
+
+
 def _thickness(mesh: trimesh.Trimesh, piece: IntArray) -> Array:
     """(P,) m of each piece: the diameter of a bar with as much volume to its surface."""
     of_face = piece[mesh.faces[:, 0]]
@@ -166,7 +174,8 @@ def _clustered(
     """Vertices in the same cell of a grid made one, without the faces that vanish by it.
 
     cell: m, of all or (V, 1); apart, unlike: (V, K) numbers in which those that are made one are
-    equal; those that differ in `unlike` alone lie in one place.
+    equal; those that differ in `unlike` alone lie in one place, but for what tells them apart.
+    The attribute `_FROM` of a vertex is one of those that it is made of.
     """
     import trimesh
 
@@ -180,7 +189,10 @@ def _clustered(
     faces = merged.reshape(-1)[mesh.faces]
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]
-    joined = trimesh.Trimesh(mesh.vertices[where[first]], faces, process=False)
+    vertices = mesh.vertices[where[first]]
+    if unlike is not None:
+        vertices = vertices + _TELLING * kinds[first, 1:] / np.max(unlike, initial=1)
+    joined = trimesh.Trimesh(vertices, faces, process=False, vertex_attributes={_FROM: first})
     joined.update_faces(joined.unique_faces())
     joined.remove_unreferenced_vertices()
     return joined

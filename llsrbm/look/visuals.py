@@ -32,7 +32,7 @@ from llsrbm.robots.urdf import bodies_on
 if TYPE_CHECKING:
     import trimesh
 
-VISUALS_VERSION = "9"  # part of the cache key: raise it when the meshes change
+VISUALS_VERSION = "13"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 COARSE_FACES = 8_000
 GREY = (0.58, 0.61, 0.65)  # of shapes that stand in for what is drawn

@@ -36,3 +36,33 @@ def test_bodies_of_other_colours_keep_theirs():
     dark = np.asarray(coarse.visual.vertex_colors)[coarse.faces, 0].max(axis=1) < 100
     assert coarse.area_faces[dark].sum() == pytest.approx(tube.area, rel=0.25)
     assert coarse.area_faces[~dark].sum() == pytest.approx(2 * ends[0].area, rel=0.25)
+
+
+def plate(colour_of):
+    """A plate of 30 x 10 cm and 4 cm thick, its faces coloured by where their middles are."""
+    mesh = trimesh.creation.box((0.3, 0.1, 0.04))
+    for _ in range(6):
+        mesh = mesh.subdivide()
+    mesh.unmerge_vertices()
+    colours = np.array([colour_of(*middle) for middle in mesh.triangles_center])
+    mesh.visual = trimesh.visual.ColorVisuals(mesh, vertex_colors=np.repeat(colours, 3, axis=0))
+    return mesh
+
+
+def test_letters_have_the_colour_of_their_ground():
+    grey, white = (120, 120, 130, 255), (250, 250, 250, 255)
+    letter = plate(lambda x, y, z: white if z > 0 and abs(x) < 0.008 and abs(y) < 0.012 else grey)
+    assert len(np.unique(letter.visual.vertex_colors, axis=0)) == 2
+    assert (np.asarray(coarser(letter, SIZE).visual.vertex_colors)[:, 0] == 120).all()
+
+
+def test_where_colours_meet_nothing_is_open():
+    grey, white = (120, 120, 130, 255), (250, 250, 250, 255)
+    coarse = coarser(plate(lambda x, *_: white if x > 0.031 else grey), SIZE)
+    seen = np.asarray(coarse.visual.vertex_colors)[:, 0]
+    assert set(seen) == {120, 250}
+    bright, dark = (coarse.vertices[seen == value] for value in (250, 120))
+    apart = np.linalg.norm(bright[:, None] - dark, axis=2).min(axis=1)
+    assert (apart < 1e-5).sum() >= 8  # the border's corners are both colours'
+    assert apart[(apart > 0) & (apart < 0.01)].max() < 1e-5
+    assert coarse.area == pytest.approx(plate(lambda *_: grey).area, rel=0.1)
