@@ -14,7 +14,7 @@ from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
 from llsrbm.planning.whole_body.stage import composed_stage
-from llsrbm.planning.whole_body.start import LANDS_LEVEL, Start
+from llsrbm.planning.whole_body.start import LANDED, Start
 
 Array = NDArray[np.float64]
 
@@ -48,7 +48,8 @@ def _parameters(grid: Grid, sizes: Sizes, start: Start) -> Array:
     own["step"][:-1, 0] = np.diff(grid.shares[::2])
     own["phase"][np.arange(grid.intervals), grid.phase] = 1.0
     own["weights"][:] = [start.weights[name] for name in WEIGHTS]
-    own["weights"][grid.landed[::2], list(WEIGHTS).index("level")] *= LANDS_LEVEL
+    for name, factor in LANDED.items():
+        own["weights"][grid.landed[::2], list(WEIGHTS).index(name)] *= factor
     own["limits"][:] = [getattr(start.task.limits, name) for name in LIMITS]
     slope = start.apart.slope.reshape(len(start.time), -1)
     own["apart"][:] = slope[::2]
