@@ -27,6 +27,11 @@ LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground 
 # median when feet could come from 3 cm over a fifth of their swing, 4.3 when braked by 120 m/s2.
 BRAKED_FROM = 0.04
 SHANKS = 0.75  # of the distance that feet keep
+# Of the torque that plans may use, after the last flight: where a drive is at its limit in a
+# landing nothing is left to steer with. Of Go2's jump of 120 degrees, 19 cm down, none of three
+# simulations lands strictly with all, one with 0.85 and all with 0.7; of 45 requests each, of which
+# 29 (Go2) and 37 (ANYmal) are found from the tables, all those land strictly with 0.7.
+LANDING_TORQUE = 0.7
 RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
 
 
@@ -59,6 +64,8 @@ class RowBounds:
         most = {"speed": limits.speed_share, "torque": limits.torque_share, "drive": 1.0}
         if name in EQUALITIES:
             return np.zeros(size), np.zeros(size)
+        if name == "torque" and self.grid.phase_at(half) >= self.grid.last_landing:
+            most[name] *= LANDING_TORQUE
         if name in most:
             return np.full(size, -most[name]), np.full(size, most[name])
         above = np.full(size, np.inf)

@@ -135,6 +135,12 @@ class Grid:
         return min(int(self.shares[half]), len(self.phases) - 1)
 
     @cached_property
+    def last_landing(self) -> int:
+        """The first phase after the last flight; none of a schedule that has no flight."""
+        flights = [number for number, (legs, _) in enumerate(self.phases) if not legs]
+        return flights[-1] + 1 if flights else len(self.phases)
+
+    @cached_property
     def landed(self) -> NDArray[np.bool_]:
         """(2 N + 1,) where legs stand after a flight."""
         stands = np.array([bool(legs) for legs, _ in self.phases])

@@ -17,16 +17,35 @@ FEET = (0, 1, 2, 3)
 def test_what_stands_after_a_flight_has_landed():
     hops = Grid(((FEET, 2), ((), 3), (FEET, 2), ((), 3), ((2, 3), 2)))
     landed = hops.landed
+    assert hops.last_landing == 4
     assert len(landed) == 2 * hops.intervals + 1
     phases = np.array([hops.phase_at(half) for half in range(len(landed))])
     assert [landed[phases == p].all() for p in range(5)] == [False, False, True, False, True]
     assert [landed[phases == p].any() for p in range(5)] == [False, False, True, False, True]
 
 
-def test_the_trunk_comes_down_level():
-    # Onto a box it leant by 11 degrees, and by 19 once it had landed in the simulator.
-    jump = llsrbm.Jump("go2", twist=math.radians(-16), forward=0.41, lateral=-0.08, height=0.21)
+def planned(**degrees_and_metres):
+    degrees_and_metres["twist"] = math.radians(degrees_and_metres["twist"])
+    jump = llsrbm.Jump("go2", **degrees_and_metres)
     plan = CertifiedPlanner().from_table(make_task(jump, load_robot("go2")))
     assert plan is not None
-    after = plan.time >= plan.touchdown - 1e-9
-    assert np.degrees(tilt(plan.base_quat[after]).max()) < 6
+    return plan, plan.time >= plan.touchdown - 1e-9
+
+
+def test_the_trunk_comes_down_level():
+    # Onto a box it leant by 11 degrees, and by 19 once it had landed in the simulator.
+    plan, landed = planned(twist=-16, forward=0.41, lateral=-0.08, height=0.21)
+    assert np.degrees(tilt(plan.base_quat[landed]).max()) < 6
+
+
+def test_feet_share_the_weight_and_drives_keep_a_reserve_when_they_land():
+    # Two feet carried nothing for 0.2 s, and drives of a jump down were at their limits: both fell.
+    plan, landed = planned(twist=99.2, forward=0.115, lateral=0.142, height=-0.082)
+    forces = plan.contact_force[landed].reshape(landed.sum(), 4, -1)[:-1, :, 2]
+    assert forces.sum(axis=1).min() > 0
+    assert np.median(forces.min(axis=1) / forces.sum(axis=1)) > 0.08
+    robot = load_robot("go2")
+    order = [plan.joint_names.index(name) for name in robot.joint_names]
+    share = np.abs(plan.joint_torque[:, order]) / robot.torque_limit
+    assert share[landed].max() <= 0.7 * robot.file.limits.torque_share + 2e-3
+    assert share[~landed].max() > share[landed].max()
