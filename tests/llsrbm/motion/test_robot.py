@@ -14,7 +14,7 @@ from llsrbm.planning.answer.planner import planner_of
 from llsrbm.robots import load_robot
 
 ROBOT = load_robot("go2")
-JUMP = llsrbm.Jump(robot="go2", forward=0.4, twist=0.8)
+JUMP = llsrbm.Jump(robot="go2", forward=0.35, twist=0.8)
 WEAK = {"drive_strength": 0.65, "battery": 0.8}
 
 

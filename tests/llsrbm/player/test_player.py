@@ -56,7 +56,9 @@ def test_states_follow_each_other():
         is_brake(command) for command, damps in zip(commands, last, strict=True) if not damps
     )
     assert times[-1] - times[last][0] == pytest.approx(2.0, abs=0.01)
-    assert np.abs(stage.simulated.world.state()[1]).max() < 0.1  # it lies
+    position, velocity = stage.simulated.world.state()
+    assert position[2] < 0.12  # it lies, a leg may still be sinking
+    assert np.abs(velocity[:6]).max() < 0.15
 
 
 def test_a_robot_that_lies_is_brought_up():
