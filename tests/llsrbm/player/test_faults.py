@@ -144,7 +144,7 @@ def test_a_posture_that_is_not_reached():
 
 
 @pytest.mark.parametrize(
-    ("tier", "joint"), [("table", "FL_calf_joint"), ("closed-loop", "RL_hip_joint")]
+    ("tier", "joint"), [("table", "FL_calf_joint"), ("closed-loop", "RL_thigh_joint")]
 )
 def test_a_drive_that_gives_nothing(tier, joint):
     stage = Stage(tier)
