@@ -17,7 +17,7 @@ from llsrbm.wire.simulated_robot import Conditions
 from tests.llsrbm.player.stages import GO2, Stage, is_brake, stored_plan
 
 SOON = 0.1  # s
-PUSHING = 1.2  # s: thighs and calves give more than 2 Nm; at 1.0 the hind thighs change their sign
+PUSHING = 1.2  # s; at 1.0 the hind thighs' torques change their sign
 BRIEF = {Check: 0.1, Stand: 0.2, Damp: 0.3}  # s; a fault does not wait for longer
 RAMPING, STANDING = 0.3, 0.7  # s by the robot's clock
 ON_THE_GROUND, IN_THE_AIR, LANDED = 1.0, 1.4, 2.0  # likewise; the plan begins at 0.8
