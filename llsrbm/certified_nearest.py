@@ -18,10 +18,7 @@ from llsrbm.request.jump import COMPONENTS, STEPS, Jump
 
 NOT_FOUND = "no motion of the whole body that keeps all limits was found"
 """Why a request has a draft and no plan; a sentence without its full stop."""
-HALVINGS = 3  # to an eighth of what is reduced
-# Share of a draft's nearest jump that is near enough. For less the whole body's own search, of some
-# seconds, is tried first; what it finds at the edge often falls (docs/figures.md).
-ENOUGH = 0.4
+PROBES = 3  # jumps that are tried: a half, then halfway between what is done and what is not
 
 
 def plan_or_nearest(
@@ -46,15 +43,12 @@ def plan_or_nearest(
         found = replace(planner, guesses=planner.guesses and not tried).plan(draft)
         if found.certified or not may_hold_elsewhere(found):
             return found
-        return _less(planner, draft, COMPONENTS)[0] or found
-    less, share = planner.nearby(draft, draft.jump), 1.0
-    if less is None:
-        less, share = _less(planner, draft, reduced)
-    if less is not None and share >= ENOUGH:
+        return _less(planner, draft, COMPONENTS, tried=True) or found
+    less = _less(planner, draft, reduced, tried=False)
+    if less is not None:
         return less
     # What is nearest need not be this one: a solver of a finer grid is not built for it.
-    found = replace(planner, guesses=False, finer=False).plan(draft)
-    return found if found.certified or less is None else less
+    return replace(planner, guesses=False, finer=False).plan(draft)
 
 
 def _given_up(jump: Jump, wanted: Jump) -> tuple[str, ...]:
@@ -67,18 +61,23 @@ def _given_up(jump: Jump, wanted: Jump) -> tuple[str, ...]:
 
 
 def _less(
-    planner: CertifiedPlanner, draft: Plan, reduced: tuple[str, ...]
-) -> tuple[Plan | None, float]:
-    """The most of a draft's jump that is found when some components are reduced; its share."""
+    planner: CertifiedPlanner, draft: Plan, reduced: tuple[str, ...], *, tried: bool
+) -> Plan | None:
+    """The most of a draft's jump that is found when some components are reduced.
+
+    `tried`: all of it was, in vain; else it is at last, where three quarters are done.
+    """
     found, done, failed = None, 0.0, 1.0
-    for _ in range(HALVINGS):
+    for left in reversed(range(PROBES)):
         share = (done + failed) / 2
+        if failed == 1.0 and not (left or tried):
+            share = 1.0
         plan = planner.nearby(draft, _reduced(draft.jump, reduced, share))
         if plan is None:
             failed = share
         else:
             found, done = plan, share
-    return found, done
+    return found
 
 
 def _reduced(jump: Jump, names: tuple[str, ...], share: float) -> Jump:

@@ -51,16 +51,21 @@ class CertifiedPlanner:
     def plan(self, draft: Plan) -> Plan:
         """The whole body's plan of a draft that converged, with its certificate.
 
-        Where the certificate does not hold it is planned again with more intervals: of what holds
-        at their nodes less is missed between. Where no plan is found it is the draft, without a
-        certificate; its `refinement` says so. Raises `Cancelled`: `cancelled` was true.
+        Where no plan is found it is the draft, without a certificate; its `refinement` says so.
+        Raises `Cancelled`: `cancelled` was true.
         """
-        found = self.checked(self._refined(draft, 1.0))
+        return self._held(self.checked(self._refined(draft, 1.0)))
+
+    def _held(self, found: Plan) -> Plan:
+        """A plan; or, where its certificate does not hold, that motion with more intervals.
+
+        Of what holds at their nodes less is missed between.
+        """
         if not (self.finer and found.refined and may_hold_elsewhere(found)):
             return found
         # Its solver is built first, which takes seconds.
         self._watch.begin("a check does not hold: planning again with more intervals")
-        finer = self.checked(self._refined(draft, FINER))
+        finer = self.checked(self._refined(found, FINER))
         best, other = (finer, found) if finer.certified else (found, finer)
         assert best.refinement is not None
         assert other.refinement is not None
@@ -92,7 +97,7 @@ class CertifiedPlanner:
             cancelled=self.cancelled,
             progress=self.progress,
         )
-        found = begun and self.checked(begun)
+        found = begun and self._held(self.checked(begun))
         return found if found is not None and found.certified else None
 
     def checked(self, plan: Plan) -> Plan:

@@ -9,6 +9,8 @@ from llsrbm import certified_plan
 from llsrbm.certificate import certify
 from llsrbm.certified_plan import WITHOUT_ROWS, CertifiedPlanner
 from llsrbm.errors import Cancelled
+from llsrbm.planning.problem.placement import task_of
+from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.player.stages import stored_plan
 
@@ -50,6 +52,24 @@ def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monke
     assert found.refinement.iterations == both
     if holds:
         assert certify(found).holds
+
+
+def test_what_a_table_leads_to_is_planned_on_a_finer_grid_as_well(monkeypatch):
+    tried = []
+
+    def judged(found, *_):
+        tried.append(found)
+        checks = dict(plan().certificate)
+        if len(tried) == 1:
+            checks["dynamics"] = {**checks["dynamics"], "holds": False}
+        return replace(found, certificate=checks)
+
+    monkeypatch.setattr(certified_plan, "certified", judged)
+    found = CertifiedPlanner().from_table(task_of(draft(), load_robot("go2")))
+    coarse, fine = tried
+    assert len(found.time) == len(fine.time) > 1.4 * len(coarse.time)
+    assert fine.certificate is None  # no certificate but its own
+    assert certify(found).holds
 
 
 def test_power_that_no_row_holds_is_no_reason_for_a_finer_grid(monkeypatch):

@@ -60,8 +60,8 @@ class Refiner:
     ) -> Plan:
         """The whole body's plan, begun from a centroidal one; that itself where there is none.
 
-        Its `refinement` says which. `learned`: begin from jumps nearby that were solved before,
-        where there are some.
+        Its `refinement` says which. A whole body's plan of another grid is begun from as it is.
+        `learned`: begin from jumps nearby that were solved before, where there are some.
 
         Raises:
             Cancelled: `cancelled` was true.
@@ -70,6 +70,9 @@ class Refiner:
         watch.wait()
         watch.begin("refining: the whole body's dynamics")
         rounds = self._rounds(plan, watch)
+        if plan.refined:
+            rounds.near(start_of(plan, self.robot, self.grid).of_refined().straighter())
+            return self._ended(rounds, plan, called)
         nearby = self._nearby(plan.jump, plan.tuning) if learned else None
         if nearby is not None:
             rounds.follow(self._beside(nearby, plan), nearby)
@@ -113,7 +116,7 @@ class Refiner:
             self.last, self.solution = rounds.motion, rounds.solution
             feet = Feet(rounds.start.place, rounds.start.foot_quat)
             whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
-            result = replace(whole, violations=rounds.found)
+            result = replace(whole, violations=rounds.found, certificate=None)
         report = Refinement(
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),

@@ -137,8 +137,11 @@ class Start:
 
     def of_draft(self) -> Start:
         """The same beside a draft: of a model that keeps its own motion, that motion."""
-        beside = OWN if self.keeps_own else {"near": NEAR_DRAFT}
-        return replace(self, weights={**self.weights, **beside})
+        return replace(self, weights={**self.weights, "near": NEAR_DRAFT}).of_refined()
+
+    def of_refined(self) -> Start:
+        """The same beside a whole body's motion, which of such a model is its own already."""
+        return replace(self, weights={**self.weights, **(OWN if self.keeps_own else {})})
 
 
 def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
