@@ -9,8 +9,6 @@ from llsrbm import certified_plan
 from llsrbm.certificate import certify
 from llsrbm.certified_plan import WITHOUT_ROWS, CertifiedPlanner
 from llsrbm.errors import Cancelled
-from llsrbm.planning.problem.placement import task_of
-from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.player.stages import stored_plan
 
@@ -65,7 +63,7 @@ def test_what_a_table_leads_to_is_planned_on_a_finer_grid_as_well(monkeypatch):
         return replace(found, certificate=checks)
 
     monkeypatch.setattr(certified_plan, "certified", judged)
-    found = CertifiedPlanner().from_table(task_of(draft(), load_robot("go2")))
+    found = CertifiedPlanner().nearby(draft(), draft().jump)
     coarse, fine = tried
     assert len(found.time) == len(fine.time) > 1.4 * len(coarse.time)
     assert fine.certificate is None  # no certificate but its own
