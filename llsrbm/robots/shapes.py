@@ -29,7 +29,7 @@ Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
 _PLAIN = ("link", "joint", "kind", "size", "rotation", "centre")  # arrays of the cache, with others
-_METHOD = "shapes 5"  # a new one makes cached shapes old
+_METHOD = "shapes 6"  # a new one makes cached shapes old
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ class Shape:
             cylinder, and of a capsule without its caps; filled up with zeros.
         rotation, centre: (3, 3), (3,) m: the shape's frame in that of the joint.
         points: (n, 3) m, of a hull in the shape's frame.
-        foot: whether its link is one that stands on the ground.
+        foot: whether its link is one that stands on the ground, or is fixed to a sole.
     """
 
     link: str
@@ -94,13 +94,15 @@ def _shapes(robot: Robot) -> tuple[Shape, ...]:
     objects = collision_shapes(robot)
     feet = [_foot_link(robot, leg, objects) for leg in robot.legs]
     bare = set(range(1, robot.model.njoints)) - {shape.joint for shape in objects}
+    soles: set[int] = set()
     if not robot.file.foot.is_point:
-        bare |= {robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs}
+        soles = {robot.model.frames[leg.foot_frame_id].parentJoint for leg in robot.legs}
+    bare |= soles
     if bare:
         visual = placed_solids(robot.urdf, robot.model, "visuals")
         objects = [*objects, *(shape for shape in visual if shape.joint in bare)]
     balls = {} if not robot.file.foot.is_point else _balls(robot)
-    shapes = [_shape(shape, feet) for shape in objects]
+    shapes = [_shape(shape, foot=shape.link in feet or shape.joint in soles) for shape in objects]
     return tuple(
         shape
         if shape.foot or shape.joint not in balls
@@ -157,7 +159,7 @@ def _foot_link(robot: Robot, leg: Leg, objects: list[PlacedSolid]) -> str:
     return str(frames[frame].name)
 
 
-def _shape(given: PlacedSolid, feet: list[str]) -> Shape:
+def _shape(given: PlacedSolid, *, foot: bool) -> Shape:
     solid, size, points = given.solid, np.zeros(3), np.empty((0, 3))
     if solid.kind == "mesh":
         points = _outermost(given)
@@ -174,7 +176,7 @@ def _shape(given: PlacedSolid, feet: list[str]) -> Shape:
         rotation=np.array(given.placement.rotation),
         centre=np.array(given.placement.translation),
         points=points,
-        foot=given.link in feet,
+        foot=foot,
     )
 
 

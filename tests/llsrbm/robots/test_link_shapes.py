@@ -12,8 +12,9 @@ from llsrbm.errors import RobotFileError
 from llsrbm.robots import load_robot
 from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
-from llsrbm.robots.schema import robot_files
+from llsrbm.robots.schema import read_robot_file, robot_files
 from llsrbm.robots.shapes import link_shapes
+from llsrbm.robots.urdf import find_urdf
 
 A1 = robot_files()["a1"].read_text()
 
@@ -160,3 +161,17 @@ def test_a_link_that_is_not_there_is_named(tmp_path):
     path.write_text(f'{A1}\n[link_pairs]\nadd = [["trunk", "FL_shin"]]\n')
     with pytest.raises(RobotFileError, match=r'link_pairs\.add: no link "FL_shin"'):
         LinkShapes.of(load_robot(str(path)))
+
+
+def test_what_is_fixed_to_a_sole_stands_as_it_does(tmp_path):
+    toe = """<link name="toe"><collision><origin xyz="0.08 0 -0.04"/><geometry>
+    <box size="0.02 0.02 0.01"/></geometry></collision></link><joint name="toe_mount" type="fixed">
+    <parent link="left_foot"/><child link="toe"/></joint></robot>"""
+    path = robot_files()["slider"]
+    file = read_robot_file(path)
+    urdf = find_urdf(file, path).read_text()
+    (tmp_path / "toed.urdf").write_text(urdf.replace("</robot>", toe))
+    own = path.read_text().replace(f'file = "{file.urdf.file}"', 'file = "toed.urdf"')
+    (tmp_path / "toed.toml").write_text(own.replace('name = "slider"', 'name = "toed"'))
+    shapes = link_shapes(load_robot(str(tmp_path / "toed.toml")))
+    assert {s.link for s in shapes if s.foot} == {"left_foot", "right_foot", "toe"}
