@@ -127,7 +127,7 @@ def _origin(part: Part) -> Origin:
 def _solid(part: Part, colours: dict[str, Colour | None], paths: MeshPaths) -> Solid:
     part.children(("origin", "geometry", "material"))
     geometry = part.needed("geometry")
-    shapes = list(geometry.element)
+    shapes = [each for each in geometry.element if not str(each.tag).startswith("{")]
     for given in shapes:
         if given.tag not in _GEOMETRIES:
             raise part.fault(

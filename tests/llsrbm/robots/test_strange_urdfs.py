@@ -111,6 +111,12 @@ def test_robots_agree(tmp_path, axis, kind, root, floats, load, x, m, ignored, s
     agrees(robot, urdf)
 
 
+def test_elements_of_other_programs_are_no_shapes(tmp_path):
+    theirs = '<geometry><drake:declare_convex xmlns:drake="http://drake.mit.edu"/>'
+    robot = build_robot(robot_file(tmp_path, URDF.replace("<geometry>", theirs)))
+    agrees(robot, URDF)
+
+
 def replaced(old, new, count=1):
     assert old in URDF, old
     return URDF.replace(old, new, count)
