@@ -232,9 +232,11 @@ def check_joints(
         for joint in chain:
             if joint in owner:
                 table, kind = ("legs", "leg") if limb in file.legs else ("arms", "limb")
+                name = model.names[joint]
                 raise RobotFileError(
-                    f'{path}: {table}.{limb}: joint "{model.names[joint]}" also belongs to {kind} '
-                    f"{owner[joint]}; expected each {kind} to have joints of its own"
+                    f'{path}: {table}.{limb}: joint "{name}" also belongs to {kind} '
+                    f"{owner[joint]}; expected each {kind} to have joints of its own, or {name} "
+                    "held in [urdf.held] if it moves all feet"
                 )
             owner[joint] = limb
     free = [model.names[j] for j in range(BASE_JOINT + 1, model.njoints) if j not in owner]

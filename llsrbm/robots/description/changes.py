@@ -35,12 +35,12 @@ def changed(
 
     Args:
         source: what is held and added.
-        feet: leg -> frame of its foot; joints that move one cannot be held.
+        feet: leg -> frame of its foot; joints that move one but not all cannot be held.
         path: of the robot file, for messages.
 
     Raises:
         RobotFileError: a joint or link is not there, an angle is beyond its joint's limits or not
-            what its joint mimics, or a held joint moves a foot.
+            what its joint mimics, or a held joint is one of a leg.
     """
     links, joints = dict(robot.links), dict(robot.joints)
     # Frames first: a foot may be one, and what carries it must not be held either.
@@ -51,7 +51,7 @@ def changed(
         joint = f"{name}_fixed"
         origin = Origin(_rounded(frame.xyz), _rounded(frame.rpy))
         joints[joint] = Joint(joint, "fixed", frame.link, name, origin)
-    _check_no_foot_is_held(joints, source.held, feet, path)
+    _check_no_leg_is_held(joints, source.held, feet, path)
     for name, angle in source.held.items():
         _check_angle(name, source.held, joints, path)
         joints[name] = _held(joints[name], angle)
@@ -127,23 +127,25 @@ def _held(joint: Joint, angle: float) -> Joint:
     return Joint(joint.name, "fixed", joint.parent, joint.child, origin)
 
 
-def _check_no_foot_is_held(
+def _check_no_leg_is_held(
     joints: Mapping[str, Joint], held: Mapping[str, float], feet: Mapping[str, str], path: str
 ) -> None:
     carries = {joint.child: joint for joint in joints.values()}
-    moving: dict[str, str] = {}  # joint -> a leg whose foot it moves
+    moving: dict[str, list[str]] = {}  # joint -> legs whose feet it moves
     for leg, frame in feet.items():
         # A foot's frame may be a link or a joint; what the URDF does not have is told later.
         link = joints[frame].child if frame in joints else frame
         while link in carries:
-            moving[carries[link].name] = leg
+            moving.setdefault(carries[link].name, []).append(leg)
             link = carries[link].parent
+    # A waist between the root and all legs makes one trunk of both.
+    of_legs = {name for name, legs in moving.items() if len(legs) < max(len(feet), 2)}
     for name in held:
-        if name in moving:
-            others = [n for n, joint in joints.items() if joint.moves and n not in moving]
+        if name in of_legs:
+            others = [n for n, joint in joints.items() if joint.moves and n not in of_legs]
             raise RobotFileError(
-                f"{path}: urdf.held.{name}: it moves the foot of leg {moving[name]}; expected "
-                f"joints that move no foot: {', '.join(others) or 'there are none'}"
+                f"{path}: urdf.held.{name}: it moves the foot of leg {moving[name][-1]}; expected "
+                f"joints that move no foot, or all: {', '.join(others) or 'there are none'}"
             )
 
 

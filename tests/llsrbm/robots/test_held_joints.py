@@ -70,6 +70,17 @@ def free(robot):
     return pinocchio_model(robot, "mine.toml")
 
 
+def test_a_waist_that_moves_all_feet_can_be_held(tmp_path):
+    """With feet on both of its sides it cannot: the legs would lose a joint."""
+    urdf = tmp_path / "two.urdf"
+    other = [link("other", 1.0), joint("other_hip", "revolute", "waist_link", "other", "0 1 0")]
+    urdf.write_text(SMALL.replace("</robot>", "".join(other) + "</robot>"))
+    feet = {"one": "hand_link", "two": "other"}
+    assert not adapted(urdf, {"waist": 0.3}, feet=feet).joints["waist"].moves
+    with pytest.raises(RobotFileError, match=r"moves the foot of leg two; .* no foot, or all"):
+        adapted(urdf, {"waist": 0.3}, feet=feet | {"three": "shank"})
+
+
 def locked(urdf, held):
     """The robot with the same joints locked by Pinocchio, read from the URDF as it is."""
     model = pin.buildModelFromUrdf(str(urdf), pin.JointModelFreeFlyer())
