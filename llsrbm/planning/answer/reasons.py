@@ -93,7 +93,8 @@ def refusal(
 def unexplained(task: Task, best: Attempt, plan: Plan) -> NotConverged:
     """The error of a request of which no less is known: what its best attempt violates."""
     found, worst = stops(best.knots), describe_worst(best.violations, best.knots)
-    tries = f"{plan.report.attempts} attempts ({describe(task.jump)})"
+    count = plan.report.attempts
+    tries = f"{count} attempt{'s' * (count != 1)} ({describe(task.jump)})"
     reason = " and ".join(map(str, found[:NAMED]))
     return NotConverged(f"no plan found in {tries}: {worst}", plan, found, reason=reason)
 

@@ -190,7 +190,7 @@ def test_what_cannot_be_says_what_is_violated(planner):
     message, plan = str(caught.value), caught.value.plan
     assert "\n" not in message
     assert message.startswith(
-        "no plan found in 1 attempts (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm): "
+        "no plan found in 1 attempt (twist 0 deg, forward 0.3 m, lateral 0 m, height 0 m, srbm): "
     )
     _, v = max(plan.violations.items(), key=lambda item: excess(dict([item])))
     assert v.amount > TOLERANCE
