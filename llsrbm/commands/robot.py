@@ -67,9 +67,10 @@ def new_command(
     print(f"{out}: {len(anatomy.names)} legs of {len(anatomy.joint_ids[0])} joints{arms}")
     print(f"  feet {', '.join(anatomy.feet)}; hips {', '.join(anatomy.hips)}")
     if anatomy.held:
-        first = ", ".join([*anatomy.held][:3])
-        limb = "limb" if anatomy.arms else "foot"
-        print(f"  guessed urdf.held: {len(anatomy.held)} joints that move no {limb} ({first}, ...)")
+        first = ", ".join([*anatomy.held][:3]) + (", ..." if len(anatomy.held) > 3 else "")
+        joints = "1 joint" if len(anatomy.held) == 1 else f"{len(anatomy.held)} joints"
+        limb = "limb" if anatomy.arms else "leg"
+        print(f"  guessed urdf.held: {joints} of no {limb} ({first})")
     if anatomy.frames:
         where = "in the middle of their soles" if anatomy.has_soles else "at the ends of shanks"
         print(f"  guessed urdf.frames: {', '.join(anatomy.frames)} {where}")

@@ -43,6 +43,7 @@ def mirror_signs(model: pin.Model, first: list[int], other: list[int]) -> Array:
     axes, others = (
         data.J[3:, [model.joints[j].idx_v for j in joints]].T for joints in (first, other)
     )
-    sides = [data.oMi[joints[0]].translation[1] for joints in (first, other)]
+    # Shoulders may begin in the middle of the trunk.
+    sides = [data.oMi[joints[-1]].translation[1] for joints in (first, other)]
     seen = axes * (_SEEN if sides[0] * sides[1] < 0 else 1.0)
     return np.where((others * seen).sum(axis=1) < 0, -1.0, 1.0)

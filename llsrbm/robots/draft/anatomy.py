@@ -29,7 +29,10 @@ _ACROSS = 0.7  # component along y from which on an axis is one about which a le
 _CORNERS = 4  # of a sole
 _OFF_THE_MIDDLE = 0.01  # m from a sole's frame to the middle of the sole on the ground
 _TURNED = 1e-3  # rad, likewise
+_UPRIGHT = 0.5  # rad by which a frame that may be a sole's is turned with all joints at zero
+_EVEN = 2e-3  # m from a sole's lowest point within which the ground touches it
 _AT_JOINT = 0.02  # m from a leg's last joint to a frame that is not at its foot
+_AS_LOW = 0.01  # m from the end of a leg up to which another chain may be one as well
 _SAME_END = 0.005  # m by which corners of a shank's end may differ in their distance
 _BALL = 0.02  # m, radius of a foot's ball where nothing tells
 
@@ -218,7 +221,10 @@ def _at_zero(model: pin.Model) -> pin.Data:
 
 
 def _legs(model: pin.Model, urdf: Path) -> tuple[list[list[str]], list[int]]:
-    """The joints of each leg, from the base outwards, by name; and those that move no foot."""
+    """The joints of each leg, from the base outwards, by name; and those of no leg.
+
+    These move no foot or, as a waist that the root is above, all of them.
+    """
     joints = range(BASE_JOINT + 1, model.njoints)
     chains = []
     for end in sorted(set(joints) - {model.parents[j] for j in joints}):
@@ -241,18 +247,33 @@ def _legs(model: pin.Model, urdf: Path) -> tuple[list[list[str]], list[int]]:
     }
     alike = min(heights, key=lambda kind: (kinds.count(kind) < 2, heights[kind]))
     legs = [chain for chain, kind in zip(chains, kinds, strict=True) if kind == alike]
-    shared = sorted({j for leg in legs for j in leg if sum(j in other for other in legs) > 1})
+    often = {j: sum(j in leg for leg in legs) for leg in legs for j in leg}
+    shared = sorted(j for j, times in often.items() if 1 < times < len(legs))
     if shared:
         listed = ", ".join(model.names[j] for j in shared[:8])
         more = f" and {len(shared) - 8} more" if len(shared) > 8 else ""
+        some = "joint {} moves" if len(shared) == 1 else "joints {} move"
         raise RobotFileError(
-            f"{urdf}: joints {listed}{more} move more than one foot; expected every joint to move "
-            'one foot or none: write type="fixed" in place of theirs'
+            f"{urdf}: {some.format(listed + more)} some of the feet; expected every joint to move "
+            'one foot, none or all: write type="fixed" in place of theirs'
         )
+    lowest = max(data.oMi[leg[-1]].translation[2] for leg in legs) + _AS_LOW
+    for chain, kind in zip(chains, kinds, strict=True):
+        if kind != alike and data.oMi[chain[-1]].translation[2] < lowest:
+            raise RobotFileError(
+                f"{urdf}: the chain of joints to {model.names[chain[-1]]} reaches as low as the "
+                f"leg to {model.names[legs[0][-1]]} and is not built alike; expected all legs "
+                "alike, of joints of their own, and z up"
+            )
+    if len(legs) > 1:
+        legs = [[j for j in leg if often[j] == 1] for leg in legs]
     if len(legs) < 2 or len(legs[0]) not in _JOINTS_OF_A_LEG:
+        one = "the only chain like a leg has"
+        found = one if len(legs) == 1 else f"the {len(legs)} chains most like legs have"
+        listed = ", ".join(model.names[j] for j in legs[0])
         raise RobotFileError(
-            f"{urdf}: found {len(legs)} legs of {len(legs[0])} joints; expected two legs or more, "
-            "of 3 joints (point feet) or 6 (soles)"
+            f"{urdf}: {found} {len(legs[0])} joints ({listed}); expected two legs or more, of 3 "
+            "joints (point feet) or 6 (soles)"
         )
     spare = sorted(set(joints) - {j for leg in legs for j in leg})
     return [[model.names[j] for j in leg] for leg in legs], spare
@@ -306,7 +327,8 @@ def _middle_of_sole(
 ) -> AddedFrame | None:
     """Where the frame of a sole belongs, seen from the link at the end of its leg; None: there.
 
-    With all joints at zero soles are level and point forward.
+    With all joints at zero soles are level and point forward, unless the shapes lie flat on the
+    ground in the frame that the URDF has there, and not so.
     """
     frame = model.frames[frame_id(model, foot)]
     on = [shape for shape in shapes if shape.joint == frame.parentJoint]
@@ -318,6 +340,9 @@ def _middle_of_sole(
     rotation = data.oMi[frame.parentJoint].rotation.T  # of base axes against the joint's
     rpy = pin.rpy.matrixToRpy(frame.placement.rotation.T @ rotation)
     turned = bool(np.abs(rpy).max() > _TURNED)
+    straight = pin.SE3(rotation, frame.placement.translation)
+    if turned and np.linalg.norm(pin.log3(pin.rpy.rpyToMatrix(rpy))) < _UPRIGHT:
+        turned = _lies_flat(straight, on) or not _lies_flat(frame.placement, on)
     level = pin.SE3(rotation if turned else frame.placement.rotation, frame.placement.translation)
     points = _corners_of(level, on)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -331,6 +356,13 @@ def _middle_of_sole(
         xyz=(round(x, 4) + 0.0, round(y, 4) + 0.0, round(z, 4) + 0.0),
         rpy=(round(roll, 6) + 0.0, round(pitch, 6) + 0.0, round(yaw, 6) + 0.0),
     )
+
+
+def _lies_flat(frame: pin.SE3, shapes: list[PlacedSolid]) -> bool:
+    """Whether ground across the frame's z axis touches half of the shapes, along and across."""
+    points = _corners_of(frame, shapes)
+    touching = points[points[:, 2] < points[:, 2].min() + _EVEN]
+    return bool((np.ptp(touching[:, :2], axis=0) > np.ptp(points[:, :2], axis=0) / 2).all())
 
 
 def _new_name(name: str, model: pin.Model) -> str:

@@ -44,7 +44,7 @@ def arm_joints(model: pin.Model, spare: list[int]) -> tuple[list[str], ...]:
     pin.computeJointJacobians(model, data, q)
     found: list[tuple[float, tuple[list[int], ...]]] = []
     for pair in combinations(spare, 2):
-        left, right = sorted(pair, key=lambda j: -data.oMi[j].translation[1])
+        left, right = sorted(pair, key=lambda j: -data.oYcrb[j].lever[1])
         if model.parents[left] != model.parents[right] or not _mirrored(data, left, right):
             continue
         chains = [_moving(model, data, _chain(model, joint)) for joint in (left, right)]
@@ -70,8 +70,8 @@ def arm_anatomy(model: pin.Model, joints: tuple[list[str], ...]) -> tuple[ArmAna
 def _mirrored(data: pin.Data, left: int, right: int) -> bool:
     masses = data.oYcrb[left].mass, data.oYcrb[right].mass
     places = data.oMi[left].translation, data.oMi[right].translation
-    return bool(
-        places[0][1] > _MIRRORED
+    return bool(  # the first joints of both may be in the middle
+        data.oYcrb[left].lever[1] > _MIRRORED > -_MIRRORED > data.oYcrb[right].lever[1]
         and np.abs(places[0] - places[1] * [1, -1, 1]).max() < _MIRRORED
         and abs(masses[0] - masses[1]) < _ALIKE * masses[0]
     )

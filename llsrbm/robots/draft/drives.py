@@ -18,7 +18,7 @@ from llsrbm.robots.drives.table import (
 )
 from llsrbm.robots.urdf import BASE_JOINT
 
-_WEAKEST, _STRONGEST = 0.05, 3.0  # of m g times the leg's length: other torques are no drive's
+_WEAKEST, _STRONGEST = 0.05, 2.0  # of m g times the leg's length: other torques are no drive's
 _TORQUE = 0.4  # of m g times the leg's length, where the URDF has none
 _SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
 _SPEED = 15.0  # rad/s, where the URDF has none

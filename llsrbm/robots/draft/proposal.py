@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -18,6 +19,7 @@ from llsrbm.robots.draft.turning import metres
 
 # Shares of the longest distance from a hip to its foot, as ANYmal's, Go2's and SLIDER's files have.
 _STANDING = 0.74
+_TALLEST, _TALLER = 0.86, 0.03  # where stops let no leg bend so far, in such steps
 _NEAREST, _FARTHEST = 0.42, 0.91
 _OF_STROKE = (0.1, 0.4, 0.65)  # of legs that slide: nearest, standing, farthest
 _FORWARD, _SIDEWAYS = 0.38, 0.32
@@ -34,6 +36,8 @@ _ASIDE = 1.08
 _FLIGHT, _SHORT_FLIGHT, _QUICK = (0.3, 0.6), 0.2, 0.8
 _SAMPLES = 4000  # postures of a leg by which its length is measured
 _LEVEL = 0.1  # m that a turn of a sole by 1 rad counts
+_LEANS = 5e-3  # rad against the vertical up to which a sole stands level
+_AT_STOP = 1e-3  # rad or m
 _STRAIGHT = 1e-3  # how much a joint that is turned counts, so that those that need not are not
 _MIRRORED = 1e-3  # m by which places of masses tell a mirrored leg from one like the front leg
 
@@ -58,16 +62,17 @@ def propose(anatomy: Anatomy) -> Proposal:
     """Posture, reach, limits, timing, range and gains of a robot; `RobotFileError`: none stands."""
     shortest, length = _distances(anatomy)
     near, standing, far = _NEAREST * length, _STANDING * length, _FARTHEST * length
+    tallest = _TALLEST * length
     basis = f"{length:.3f} m of leg"
     if anatomy.chains.prismatic.any():  # as much of the stroke to push off with as to land on
         near, standing, far = (shortest + share * (length - shortest) for share in _OF_STROKE)
         basis = f"a stroke of {length - shortest:.3f} m"
-        length = far / _FARTHEST  # of a leg that bends and reaches as far
+        length, tallest = far / _FARTHEST, standing  # of a leg that bends and reaches as far
     arms = np.zeros((0, 0))
-    angles, seen = _posture(anatomy, standing, arms)
+    standing, angles, seen = _standing(anatomy, standing, tallest, arms)
     if anatomy.arms:  # clear of the legs, above whose soles the CoM with the arms then is
         arms = arm_posture.hang(anatomy, _joined(anatomy, angles, arms))
-        angles, seen = _posture(anatomy, standing, arms)
+        standing, angles, seen = _standing(anatomy, standing, tallest, arms)
     outward = np.where(anatomy.hip_position[:, 1] < 0, -1.0, 1.0)
     side = float(np.mean(outward * seen[:, 1]))
     ahead = float(np.mean(seen[:, 0])) if anatomy.has_soles else 0.0
@@ -174,6 +179,23 @@ def _arms(anatomy: Anatomy, posture: Array) -> dict[str, Any]:
     return values
 
 
+def _standing(
+    anatomy: Anatomy, lowest: float, tallest: float, arms: Array
+) -> tuple[float, Array, Array]:
+    """Height (m) of the hips, from `lowest` up to `tallest`, where there is a `_posture`, and that.
+
+    Raises `RobotFileError` of the lowest: there is none.
+    """
+    try:
+        return lowest, *_posture(anatomy, lowest, arms)
+    except RobotFileError:
+        step = _TALLER * lowest / _STANDING
+        for height in np.arange(lowest + step, tallest + step / 2, step):
+            with contextlib.suppress(RobotFileError):
+                return float(height), *_posture(anatomy, float(height), arms)
+        raise
+
+
 def _posture(anatomy: Anatomy, standing: float, arms: Array) -> tuple[Array, Array]:
     """Joint angles (L, n) with hips so high, m, above their feet; and these (L, 3) m from there.
 
@@ -228,19 +250,29 @@ def _leg_posture(anatomy: Anatomy, leg: int, foot_from_hip: Array, *, forward: b
             [foot - goal, turn if anatomy.has_soles else np.zeros(0), _STRAIGHT * (q - rest)]
         )
 
-    found = []
+    found, missed = [], []
     generator = np.random.default_rng(0)
     for _ in range(24):
         start = generator.uniform(lower, upper)
         result = least_squares(residual, start, bounds=(lower - 1e-9, upper + 1e-9))
-        foot, _ = pose(result.x)
-        if np.linalg.norm(foot - goal) < 0.01:
+        foot, rotation = pose(result.x)
+        level = not anatomy.has_soles or np.linalg.norm(rotation[:2, 2]) < _LEANS
+        if level and np.linalg.norm(foot - goal) < 0.01:
             found.append((float(result.cost), knee() > 0, result.x + 0.0))
+        missed.append((float(result.cost), [*result.x]))
     if not found:
-        name = anatomy.names[leg]
+        name, sole = anatomy.names[leg], " and its sole level" if anatomy.has_soles else ""
+        stops = [
+            f"{model.names[joint]} at {q:.3g} {'m' if slides else 'rad'}"
+            for joint, q, slides, low, high in zip(
+                joints, min(missed)[1], anatomy.chains.prismatic, lower, upper, strict=True
+            )
+            if min(q - low, high - q) < _AT_STOP
+        ]
+        nearest = f"; in the nearest one a limit stops {', '.join(stops)}" if stops else ""
         raise RobotFileError(
             f"{anatomy.urdf}: leg {name} finds no posture with its foot {-foot_from_hip[2]:.2f} m "
-            f"below {anatomy.hips[leg]}; expected joint limits that allow one"
+            f"below {anatomy.hips[leg]}{sole}{nearest}; expected joint limits that allow one"
         )
     return min(found, key=lambda entry: (entry[1] != forward, entry[0]))[2]
 
@@ -297,7 +329,8 @@ def _turning(
     if not point_feet or anatomy.arms or len(anatomy.names) != turning.LEGS:
         return ""
     if missing := [key for key in ("limits.torque", "limits.joint_speed") if key in guessed]:
-        return f"the URDF's drives are none, {' and '.join(missing)} are guessed"
+        are = "is" if len(missing) == 1 else "are"
+        return f"the URDF lacks drives that can be meant, {' and '.join(missing)} {are} guessed"
     no_arms = np.zeros((0, 0))
     tucked, _ = _posture(anatomy, _NEAREST * length, no_arms)
     model, data = anatomy.model, anatomy.model.createData()

@@ -71,10 +71,8 @@ def _held(anatomy: Anatomy) -> list[str]:
     if not anatomy.held:
         return []
     rows = [f"{_key(name)} = {_value(angle)}" for name, angle in anatomy.held.items()]
-    what = "neither foot nor arm" if anatomy.arms else "no foot"
-    comment = (
-        f"# Joints that move {what} stay at these angles, rad. Guessed: at zero, or next to it."
-    )
+    what = "neither leg nor arm" if anatomy.arms else "no leg"
+    comment = f"# Joints of {what} stay at these angles, rad. Guessed: at zero, or next to it."
     return ["", comment, "[urdf.held]", *rows]
 
 

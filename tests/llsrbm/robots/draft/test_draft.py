@@ -4,6 +4,7 @@ import tomllib
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from llsrbm.cli import main
@@ -196,16 +197,81 @@ def test_arms_are_mirrored_pairs_of_three_joints_or_more(tmp_path, sides, joints
     assert len(anatomy.held) == len(sides) * joints - 3 * arms
 
 
-def test_joints_that_move_both_feet_are_refused(tmp_path):
-    """The root is above a waist."""
+MIDDLE_ARM = """<link name="{side}_arm{k}"><inertial><mass value="0.5"/>
+    <origin xyz="0 {com} 0"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/>
+    </inertial></link>
+    <joint name="{side}_arm{k}_joint" type="revolute"><parent link="{parent}"/>
+    <child link="{side}_arm{k}"/><origin xyz="0 {y} {z}"/><axis xyz="{axis}"/>
+    <limit lower="-1.8" upper="1.8" effort="9" velocity="9"/></joint>"""
+
+
+def test_arms_that_begin_in_the_middle_hang_on_both_sides(tmp_path):
+    """Their first joints are at one place, and at zero they point sideways."""
     source = (assets_directory() / "slider" / "slider.urdf").read_text()
-    chest = """<link name="chest"/><joint name="waist" type="revolute"><parent link="chest"/>
-    <child link="pelvis"/><axis xyz="0 0 1"/>
-    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+    chain = enumerate((("0 1 0", 0.0, 0.5), ("1 0 0", 0.2, 0.0), ("0 0 1", 0.2, 0.0)))
+    links = [
+        MIDDLE_ARM.format(
+            side=side,
+            k=k,
+            parent="pelvis" if k == 0 else f"{side}_arm{k - 1}",
+            axis=axis,
+            y=sign * y,
+            z=z,
+            com=0.2 * sign,
+        )
+        for k, (axis, y, z) in chain
+        for side, sign in (("left", 1), ("right", -1))
+    ]
+    urdf = tmp_path / "armed.urdf"
+    urdf.write_text(source.replace("</robot>", "".join(links) + "</robot>"))
+    robot = written(tmp_path / "armed.toml", str(urdf)).robot
+    data = robot.model.createData()
+    pin.forwardKinematics(robot.model, data, robot.posture)
+    upper, elbows = (
+        np.array([data.oMi[arm.joint_ids[k]].translation for arm in robot.arms]) for k in (1, 2)
+    )
+    assert (elbows[:, 2] < upper[:, 2] - 0.15).all()
+    np.testing.assert_allclose(elbows[1], elbows[0] * [1, -1, 1], atol=2e-3)
+
+
+def test_a_waist_below_the_root_is_held(tmp_path):
+    source = (assets_directory() / "slider" / "slider.urdf").read_text()
     path = tmp_path / "waist.urdf"
-    path.write_text(source.replace("</robot>", chest))
-    with pytest.raises(RobotFileError, match=r'joints waist move more than one foot.*type="fixed"'):
-        draft.read_anatomy(path)
+    path.write_text(source.replace("</robot>", WAIST + "</robot>"))
+    anatomy = draft.read_anatomy(path)
+    assert anatomy.held == {"waist": 0.0}
+    tuned = load_robot("slider")
+    legs = [anatomy.model.names[joint] for leg in anatomy.joint_ids for joint in leg]
+    assert tuple(legs) == tuned.joint_names
+    assert anatomy.mass == pytest.approx(tuned.mass)
+
+
+WAIST = """<link name="chest"/><joint name="waist" type="revolute"><parent link="chest"/>
+    <child link="pelvis"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+
+
+def test_joints_that_move_some_of_the_feet_are_refused(tmp_path):
+    """A spine, which the hind legs are on."""
+    spine = f"""<link name="hind">{INERTIA.format(m=3, i=0.1)}</link>
+    <joint name="spine" type="revolute"><parent link="trunk"/><child link="hind"/>
+    <axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="1" velocity="1"/></joint>"""
+    urdf = tmp_path / "quad.urdf"
+    hind = '<parent link="hind"/><child link="h'
+    text = _quadruped().replace('<parent link="trunk"/><child link="h', hind)
+    urdf.write_text(text.replace("</robot>", spine + "</robot>"))
+    with pytest.raises(RobotFileError, match=r"to h._2 reaches as low as the leg to f._2"):
+        draft.read_anatomy(urdf)
+
+
+def test_legs_of_another_number_of_joints_are_named(tmp_path):
+    text = _quadruped()
+    for leg in ("fl", "fr", "hl", "hr"):
+        text = text.replace(f'name="{leg}_0" type="continuous"', f'name="{leg}_0" type="fixed"')
+    urdf = tmp_path / "quad.urdf"
+    urdf.write_text(text)
+    with pytest.raises(RobotFileError, match=r"4 chains .* 2 joints \(fl_1, fl_2\).* 3 joints"):
+        draft.read_anatomy(urdf)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3])
@@ -223,6 +289,51 @@ def test_a_sole_whose_frame_is_elsewhere_gets_one_on_the_ground(tmp_path, turn):
         one, other = (m.frames[i].placement for m, i in zip(models, chains, strict=True))
         np.testing.assert_allclose(one.translation, other.translation, atol=1e-4)
         np.testing.assert_allclose(one.rotation, other.rotation, atol=1e-6)
+
+
+def test_a_sole_that_slants_at_zero_is_level_where_it_stands(tmp_path):
+    """SLIDER's feet turned in their ankles, with frames at their soles as the URDF has it."""
+    source = (assets_directory() / "slider" / "slider.urdf").read_text()
+    for leg in ("left", "right"):
+        joint = f'<parent link="{leg}_cross"/><child link="{leg}_foot"/>\n    <origin xyz="0 0 0"'
+        assert joint in source
+        source = source.replace(joint, f'{joint} rpy="0 0.15 0"')
+    path = tmp_path / "biped.urdf"
+    path.write_text(source)
+    robot = written(tmp_path / "biped.toml", str(path)).robot
+    assert [leg.foot_frame for leg in robot.legs] == ["left_sole", "right_sole"]
+    assert robot.file.foot.corners == load_robot("slider").file.foot.corners
+    ankle = robot.posture[7 + robot.joint_names.index("left_ankle_pitch")]
+    hip = robot.posture[7 + robot.joint_names.index("left_pitch")]
+    assert hip + ankle == pytest.approx(-0.15, abs=0.01)
+
+
+ROMEO = "romeo_description/urdf/romeo.urdf"
+
+
+def _romeo(tmp_path, ankle):
+    """Its ankles' lower stop at that angle, rad."""
+    share = package_share(PACKAGE, Path("draft"))
+    text = (share / PACKAGE / "robots" / ROMEO).read_text()
+    stop = 'effort="25.76" lower="-0.523599"'
+    assert text.count(stop) == 2
+    path = tmp_path / "romeo.urdf"
+    path.write_text(text.replace(stop, f'effort="25.76" lower="{ankle}"'))
+    return path
+
+
+def test_legs_stand_straighter_where_an_ankle_stops(tmp_path):
+    """Knees that bend by twice as much: at 0.74 of its length the ankle needs 0.8 rad."""
+    proposal = draft.propose(draft.read_anatomy(_romeo(tmp_path, -0.65)))
+    ankle = proposal.values["posture.left"][4]
+    assert -0.65 <= ankle < -0.5
+    proposal = draft.propose(draft.read_anatomy(_romeo(tmp_path, -1.0)))
+    assert proposal.values["posture.left"][4] < -0.7
+
+
+def test_the_joint_that_lets_no_leg_stand_is_named(tmp_path):
+    with pytest.raises(RobotFileError, match=r"and its sole level; .* LAnklePitch at -0.524 rad"):
+        draft.propose(draft.read_anatomy(_romeo(tmp_path, -0.523599)))
 
 
 @pytest.mark.parametrize(
@@ -265,15 +376,15 @@ INERTIA = """<inertial><origin xyz="0 0 -0.05"/><mass value="{m}"/>
     <inertia ixx="{i}" iyy="{i}" izz="{i}" ixy="0" ixz="0" iyz="0"/></inertial>"""
 
 
-def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path):
-    """Its drives are said to differ in one leg."""
+def _quadruped(effort=17):
+    """A URDF of 0.4 m of leg, whose feet are the ends of shanks; one leg has no drives."""
     legs = "".join(
         QUAD_LEG.format(
             n=f"{end}{side}",
             x=0.2 * x,
             y=0.05 * y,
             out=0.06 * y,
-            effort=0 if (end, side) == ("h", "r") else 17,
+            effort=0 if (end, side) == ("h", "r") else effort,
             inertia=INERTIA.format(m=0.3, i=0.001),
         )
         for end, x in (("f", 1), ("h", -1))
@@ -281,8 +392,23 @@ def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path):
     )
     trunk = f"""<link name="trunk">{INERTIA.format(m=7, i=0.1)}<collision>
     <geometry><box size="0.4 0.2 0.1"/></geometry></collision></link>"""
+    return f'<robot name="quad">{trunk}{legs}</robot>'
+
+
+@pytest.mark.parametrize(("effort", "meant"), [(70, True), (110, False)])
+def test_torques_that_no_drive_has_are_guessed(tmp_path, effort, meant):
+    """Of 42 Nm, weight times leg: a URDF of Spot has 2.8 times as much, drives at most 0.9."""
     urdf = tmp_path / "quad.urdf"
-    urdf.write_text(f'<robot name="quad">{trunk}{legs}</robot>')
+    urdf.write_text(_quadruped(effort))
+    proposal = draft.propose(draft.read_anatomy(urdf))
+    assert ("limits.torque" not in proposal.guessed) == meant
+    assert (proposal.values["limits.torque"] == [effort] * 3) == meant
+
+
+def test_continuous_joints_and_feet_merged_into_shanks_make_a_robot(tmp_path):
+    """Its drives are said to differ in one leg."""
+    urdf = tmp_path / "quad.urdf"
+    urdf.write_text(_quadruped())
     found = written(tmp_path / "quad.toml", str(urdf))
     robot = found.robot
     assert [leg.foot_frame for leg in robot.legs] == ["FL_foot", "FR_foot", "RL_foot", "RR_foot"]

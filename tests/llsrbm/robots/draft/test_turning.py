@@ -41,8 +41,11 @@ def test_weak_robots_get_none_and_a_line_that_says_why():
 
 def test_no_flips_by_drives_that_are_guessed():
     found = first_file("solo12")
-    assert "# No [turning]: the URDF's drives are none" in found.text
-    assert "left out turning: the URDF's drives are none" in found.said
+    why = (
+        "the URDF lacks drives that can be meant, limits.torque and limits.joint_speed are guessed"
+    )
+    assert f"# No [turning]: {why}" in found.text
+    assert f"left out turning: {why}" in found.said
 
 
 def test_shipped_robots_without_flips_are_refused_by_the_estimate():
