@@ -105,7 +105,7 @@ class Rounds:
         start: Start,
         guess: Array,
         options: tuple[SolveOptions | Iterate, ...],
-        most: float = np.inf,  # iterations
+        most: float = np.inf,  # iterations, after which none is begun
     ) -> None:
         for _ in range(ROUNDS):
             rows = RowBounds(self.robot, self.grid, self.sizes, start)
@@ -151,14 +151,12 @@ class Rounds:
     ) -> bool:
         """Solve, and again from there where rows do not hold; whether they do in the end."""
         for each in options:
-            left = most - sum(solution.iterations for solution in self.solutions)
-            if left < 1:
+            if sum(solution.iterations for solution in self.solutions) >= most:
                 return False
             if isinstance(each, Iterate):
                 reach = MAX_FOLLOW_MISS if self.solver.gives_up else SURE_MISS
                 solve = partial(self.solver.follow, problem, each, reach, FROM_FAR.acceptable)
             else:
-                each = replace(each, iterations=int(min(each.iterations, left)))
                 solve = partial(self.solver.solve, problem, guess, each, self.watch.read)
             solution = self.watch.over(solve)
             self.solutions.append(solution)
