@@ -1,7 +1,5 @@
 """The server: binds an address or raises an error, runs a session for each tab, ends cleanly."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import ipaddress

@@ -3,8 +3,6 @@
 `python -m benchmarks.thumbnails` makes the thumbnails from the designs.
 """
 
-from __future__ import annotations
-
 import base64
 from functools import cache
 from pathlib import Path

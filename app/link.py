@@ -4,8 +4,6 @@ The session calls functions of `window.llsrbm`; the page answers through a hidde
 JSON with the kind of each event. A visitor may send anything there: what fits no kind is ignored.
 """
 
-from __future__ import annotations
-
 import json
 import threading
 from collections.abc import Callable, Mapping

@@ -1,7 +1,5 @@
 """The page as it is served: viser's, with a title of its own and our scripts before all others."""
 
-from __future__ import annotations
-
 import gzip
 from collections.abc import Iterable
 from functools import lru_cache

@@ -5,8 +5,6 @@ in use, hangs when it cannot bind, would open a public tunnel at any client's re
 every file and value that is sent to any control. Its test is the contract with these parts.
 """
 
-from __future__ import annotations
-
 import asyncio
 import contextlib
 import dataclasses

@@ -6,8 +6,6 @@ Requests are those of `benchmarks.range`. Rows are checks: how many of the plans
 worst of the worst values (shares of the limit, or mm), and where the worst one is.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from pathlib import Path

@@ -4,8 +4,6 @@ Each is planned as a draft with each model and simulated, and the sentence's fig
 in the rows of `llsrbm compare`, to the digits that are shown. `--request K` does one of them.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import re

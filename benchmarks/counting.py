@@ -4,8 +4,6 @@ An outcome is an `Outcome`, or a mapping of its figures; a request that was not 
 them.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path

@@ -9,8 +9,6 @@ opens a design and plans a jump. The exit status is 1 if an answer to the page o
 if the new visitor was kept out, or if the server's memory grew by 100 MB.
 """
 
-from __future__ import annotations
-
 import contextlib
 import http.client
 import math

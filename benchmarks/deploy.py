@@ -14,8 +14,6 @@ stand, those that the player stopped by itself; medians of the feet's error and 
 end; causes of those that are not strict.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor

@@ -9,8 +9,6 @@ second after it, each seed of each jump. `imu` was
 tuned on seeds 8900 to 8999.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -3,8 +3,6 @@
 Optional arguments are the names of the examples to run.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 

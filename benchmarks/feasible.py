@@ -12,8 +12,6 @@ nearest jump. `from-range` takes those that `benchmarks.range --out` kept. `fit`
 that ship. Once there is a fit, further samples to learn from are drawn where it is least sure.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import time

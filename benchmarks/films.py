@@ -5,8 +5,6 @@ and simulated, and `tuck`: plans of one back flip by two models, side by side at
 speed.
 """
 
-from __future__ import annotations
-
 import math
 import sys
 import tempfile

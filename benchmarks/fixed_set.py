@@ -7,8 +7,6 @@ Every robot, each jump type that it has, and each model; LLSRBM_COMPILE=0 keeps 
 compiled halfway through from changing the last bits.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 from pathlib import Path

@@ -18,8 +18,6 @@ the CoM's velocity's and the angular momentum's errors just after lift-off, of d
 alone; the controller's tick.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Annotated, Any

@@ -8,8 +8,6 @@ tabs, which send what a browser does, have to keep their own state and to answer
 is 1 after a crash, a wrong state, or memory, threads or sessions that do not come back.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import copy

@@ -1,7 +1,5 @@
 """Requests and handshakes as no browser sends them, by the thousand; for benchmarks.fuzz_server."""
 
-from __future__ import annotations
-
 import random
 import socket
 import threading

@@ -4,8 +4,6 @@ To be run after a change of a robot file or of the planner that changes the exam
 after one of the plan file's schema; `tests/app/tab/start/test_initial_plan.py` fails until it is.
 """
 
-from __future__ import annotations
-
 import typer
 
 import llsrbm

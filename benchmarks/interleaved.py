@@ -3,8 +3,6 @@
 Minima of many turns, and ratios of them; used by `solve_times.py`.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -14,8 +14,6 @@ planned with different models of the inertia. Strict success is defined in
 `llsrbm.simulation.verdict`. Tables are in Markdown.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

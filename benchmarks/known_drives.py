@@ -8,8 +8,6 @@ says otherwise. Columns: strict landings, landings, plans; medians of the larges
 torque's RMS error over the take-off as a share of its limit.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any, NamedTuple
 

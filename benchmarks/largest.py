@@ -15,8 +15,6 @@ stops. `--seeds` simulates the largest with everything disturbed, `--at` other v
 too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace

@@ -7,8 +7,6 @@ that which took fewer iterations than from the draft. Last, what `llsrbm.plan` t
 and all, over a draft.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 

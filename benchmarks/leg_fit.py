@@ -7,8 +7,6 @@ while the base turns; the centroidal inertia and angular momentum of LL-SRBM+ ag
 those of the whole robot in the same posture with the same joint speeds. A plan's motions are tamer.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ on the same processes; and whether every plan and simulation is of the very requ
 status 1 if one is not, or if a tab got none.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import sys

@@ -13,8 +13,6 @@ then the median and range of seeds that disturb it. Beside it is what the model'
 (`llsrbm.analysis.model_turn`).
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 

@@ -8,8 +8,6 @@ step six times: 30 plans, each from solutions nearby and without looking for a n
 minute. Distances are in shares of the robot's ranges.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import replace

@@ -11,8 +11,6 @@ touch as the robot stands, cannot be told apart and are left out. Printed are th
 hold, and how many plans hold here and by their certificates.
 """
 
-from __future__ import annotations
-
 import csv
 import tempfile
 from collections.abc import Iterator

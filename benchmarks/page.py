@@ -7,8 +7,6 @@ drags the other sliders too, each to and fro between places at random. Last, a t
 cannot be planned with drives that may give less: the time to the verdict.
 """
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import os

@@ -3,8 +3,6 @@
 The README's are among them. Each state is reached as a user would reach it, in headless Chromium.
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import json

@@ -9,8 +9,6 @@ plays that end on their feet within 50 mm and 5 deg of the plan, half a second a
 and worst of where the base ends, of those that do.
 """
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import numpy as np

@@ -14,8 +14,6 @@ many degrees in place of the robot's jump below. With `--replans`, how long so m
 Everything is disturbed. Results are appended to the file, and not computed again.
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

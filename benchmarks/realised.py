@@ -1,7 +1,5 @@
 """Inertia and momentum of a plan's postures on the whole robot, by Pinocchio."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

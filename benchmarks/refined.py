@@ -12,8 +12,6 @@ the drives'. Certificates are those of `llsrbm.certify`; strict, of the first an
 body's plan, simulated with everything disturbed, as in `benchmarks.range`.
 """
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Iterator

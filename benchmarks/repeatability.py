@@ -7,8 +7,6 @@ and without compiled functions. Printed is whether every array of the rollouts i
 bit, and the computing times, which differ.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -9,8 +9,6 @@ Controller and planner were tuned on seeds below 1000. Timings mean something on
 and nothing else running.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor

@@ -3,8 +3,6 @@
 Lengths go with the legs' length, times with its root, forces with the weight.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ Each line on standard input is answered with a cold plan of the jump, and one fr
 that is a step of the first number away: JSON of times in s and iterations.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

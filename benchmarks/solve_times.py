@@ -9,8 +9,6 @@ Opti's two ways) and as written. After that, in turns (`interleaved.py`): ANYmal
 version of the project, and Crocoddyl. Use an idle machine; ratios are taken within the run.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

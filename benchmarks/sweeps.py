@@ -13,8 +13,6 @@ command until it is through, and compare the tables row by row, times aside. Wor
 mounts that they end are those they have begun.
 """
 
-from __future__ import annotations
-
 import json
 import random
 import shutil

@@ -7,8 +7,6 @@ After that a hundred tabs are opened and closed; memory of the server and its pr
 after every tenth.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -5,8 +5,6 @@ shortly before lift-off until the robot stands; a flip at half its speed. They s
 `assets/thumbnails`.
 """
 
-from __future__ import annotations
-
 import argparse
 
 from PIL import Image

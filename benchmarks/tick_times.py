@@ -8,8 +8,6 @@ rollouts are compared until they are 1e-3 of the largest apart. Parts of a tick 
 runs of this version, whose timers cost a little.
 """
 
-from __future__ import annotations
-
 import argparse
 import functools
 import io

@@ -10,8 +10,6 @@ scaled together or alone; plans use the file's shares. Printed are the weakest d
 plan is found, the joints at their limits there, and what the last try violates: no proof.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import replace

@@ -7,8 +7,6 @@ the time from a choice to its answer that rests, by tenths of the way. Exit stat
 held 1.2 GB or more.
 """
 
-from __future__ import annotations
-
 import argparse
 import sys
 import threading

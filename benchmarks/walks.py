@@ -9,8 +9,6 @@ these, the time to the first motion, the controls at first sight and labels with
 Exit status 1 if anything is found. `--url` takes a server that runs already.
 """
 
-from __future__ import annotations
-
 import argparse
 import contextlib
 import re

@@ -8,8 +8,6 @@ sent, received and lost, and the period between messages as they were received. 
 machine does decides the worst ones; `--fifo` runs both before it (SCHED_FIFO, needs root).
 """
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """Limits of everything that visitors may do to the server, each with its unit and its reason."""
 
-from __future__ import annotations
-
 import time
 from collections import OrderedDict
 from collections.abc import Callable

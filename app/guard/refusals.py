@@ -1,7 +1,5 @@
 """The record of what was refused: every kind and peer once, then one summary a minute at most."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 from collections import Counter

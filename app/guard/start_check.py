@@ -4,8 +4,6 @@ The guard leans on private parts of viser and on websockets. Should another vers
 by, then nothing is served.
 """
 
-from __future__ import annotations
-
 import http.client
 from collections.abc import Mapping
 

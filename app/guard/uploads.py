@@ -1,7 +1,5 @@
 """Room for files that tabs are sending: bounded, and not to be held by those that send nothing."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable

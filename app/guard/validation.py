@@ -1,7 +1,5 @@
 """Values of controls, checked where they are read: a browser's script can send anything."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

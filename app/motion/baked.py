@@ -1,7 +1,5 @@
 """Plans, rollouts and other motions turned into frames: computed once for all instants."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A motion ready to be played: where every node of the scene is over time."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Mapping
 from dataclasses import dataclass, field

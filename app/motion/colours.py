@@ -1,7 +1,5 @@
 """The page's colours: those of the library, and what only the page draws."""
 
-from __future__ import annotations
-
 from llsrbm.look.palette import *  # noqa: F403
 from llsrbm.look.palette import FORCE, Rgb, paler
 

@@ -4,8 +4,6 @@ A browser may skip values while a slider moves, and callbacks come on viser's ev
 act only says which controls to read. The session's thread reads them as they stand then.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from enum import Enum

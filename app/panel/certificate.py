@@ -1,7 +1,5 @@
 """The certificate of a motion as a table, each finding with the instant to look at."""
 
-from __future__ import annotations
-
 from html import escape
 
 from app.panel.html import DIM, SMALL

@@ -4,8 +4,6 @@ The value is frozen: a jump, a scenario, what is viewed, what is plotted. A scri
 for a control, so it is checked where it is read.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The help: topics, and a line on each term of the page that is no label of a control."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from app.panel.acts import Act, Button

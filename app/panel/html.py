@@ -1,7 +1,5 @@
 """The panel's pieces of HTML: notes, tables, headings. Everything shown is escaped."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from html import escape
 

@@ -1,7 +1,5 @@
 """Jump types and whole turns on the page: those that a robot can do, and their titles."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection
 from dataclasses import replace

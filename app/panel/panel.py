@@ -5,8 +5,6 @@ Simulate with its scenario, folded; the export; details, folded, in tabs. The pa
 it is read and drawn by the session's thread.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import viser

@@ -1,7 +1,5 @@
 """The controls by which charts are chosen."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

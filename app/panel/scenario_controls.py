@@ -3,8 +3,6 @@
 A control more is a row here and its field in `Scenario`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """The status line, one of the contract's words and what follows it; and the result of a seed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from html import escape

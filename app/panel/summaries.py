@@ -1,7 +1,5 @@
 """Plans and rollouts in words and numbers for the panel."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 

@@ -3,8 +3,6 @@
 The page's script (app/static/tuning.js) puts the numbers into the table and sends what is typed.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from html import escape
 from typing import Literal

@@ -5,8 +5,6 @@ turns over has an arrow in its first flight, as it turns for an eye to the right
 (flips) or behind it (rolls).
 """
 
-from __future__ import annotations
-
 import math
 from html import escape
 from itertools import groupby

@@ -1,7 +1,5 @@
 """The controls of overlays and light; the colours of what is drawn stand beside its box."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Blocks that the simulated robot stands and lands on, while they are there."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

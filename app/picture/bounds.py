@@ -1,7 +1,5 @@
 """How much room a robot takes: boxes around its bodies, and what two motions of it are apart."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

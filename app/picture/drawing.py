@@ -1,7 +1,5 @@
 """One thing in the picture, as a class: what it is drawn from, and how it moves."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from enum import StrEnum

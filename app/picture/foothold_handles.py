@@ -1,7 +1,5 @@
 """Handles on the ground under the feet of the robot that lands: one foot each, to be dragged."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

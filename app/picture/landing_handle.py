@@ -1,7 +1,5 @@
 """A handle on the ground where the robot shall land: to be dragged and turned in the picture."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace

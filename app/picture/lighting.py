@@ -1,7 +1,5 @@
 """Light and floor, by day and by night."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Parts of a drawn robot that can be pointed at: its trunk, its feet, links by their joints."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

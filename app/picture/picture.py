@@ -1,7 +1,5 @@
 """A picture, as a value: made from a tab's state, drawn by `app.picture.scene.Scene`."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields
 from typing import Any
 

@@ -4,8 +4,6 @@ The page draws what hangs below "/push" over everything else (static/player.js):
 of the robot.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ Meshes are by far the largest that a tab is sent, so none is sent to it twice: a
 shown any more is hidden, and found again when it is shown next.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import chain, count

@@ -4,8 +4,6 @@ They stand across the direction from which a row is looked at first, so far from
 nothing of one is ever where another has been; the one that is shown is where its motion has it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import count

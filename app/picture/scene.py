@@ -1,7 +1,5 @@
 """The picture of one tab: makes nodes and says how they move, as a clip; a player moves them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import viser

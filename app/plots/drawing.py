@@ -1,7 +1,5 @@
 """One chart in the page, drawn by viser's uPlot, and the legend above all charts."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from html import escape
 

@@ -7,8 +7,6 @@ they do not. The cursor that follows the motion, and the values under the pointe
 page without the server.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from typing import Any

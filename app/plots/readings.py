@@ -1,7 +1,5 @@
 """Figures of one part of the robot over time, as the picture shows them beside it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

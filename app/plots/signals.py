@@ -2,8 +2,6 @@
 angles, moments of inertia and shares of limits that follow from them. `SIGNALS` is the one list.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ computed (`Reported`, known by the type of its task). `update(state, event)` mak
 state and effects; nothing there waits, reads a control, or knows of a browser.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar

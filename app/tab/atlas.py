@@ -4,8 +4,6 @@ The map is made and sent anew only where it changes: with the choice, with the r
 the design says of axes that are not shown. The design's point moves with every slider.
 """
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """One jump made in several ways beside each other: its models, arms, drives, replanning."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

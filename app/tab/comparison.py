@@ -1,7 +1,5 @@
 """Designs and motions that are kept beside the present one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from app.link import BesideChosen, PinPressed

@@ -1,7 +1,5 @@
 """The design: another jump, weights, scenario or example; undone and done again."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -3,8 +3,6 @@
 `Outside` is where a tab's session has them carried out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 from functools import partial

@@ -1,7 +1,5 @@
 """Files that a tab opens and saves, beside all that it plans and simulates."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from app.link import ExportChosen

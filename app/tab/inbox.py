@@ -1,7 +1,5 @@
 """Everything that waits for a session's thread, in order."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 import time

@@ -1,7 +1,5 @@
 """Questions about the motion that is shown: what a part of the robot does, and its certificate."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app.link import CertificateAsked, PartAsked, PartPlotted

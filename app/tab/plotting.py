@@ -1,7 +1,5 @@
 """The charts: which are shown, and their lines as a file."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A push: drawn in the picture or entered in the panel, simulated when it is let go of."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A tab's state as picture, panel and plots: what has changed since it was drawn last is drawn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """The robot simulator: the player plays the plan through what a robot's own wire does to it."""
 
-from __future__ import annotations
-
 from app.panel.acts import Act
 from app.panel.status import Verdict
 from app.tab.acts import Step, on, submit

@@ -1,7 +1,5 @@
 """Edges and apex of the timeline: dragged, they become limits of the plan."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache

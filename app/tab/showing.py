@@ -1,7 +1,5 @@
 """The plan that a tab shows, and the simulation that followed it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app.motion.baked import bake_plan, bake_rollout

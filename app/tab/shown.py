@@ -1,7 +1,5 @@
 """The motion that a tab shows, as a value."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from app.motion.baked import PlannedMotion, SimulatedMotion

@@ -1,7 +1,5 @@
 """Simulating: the whole robot follows the plan, once or under several disturbances."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

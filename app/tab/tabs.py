@@ -3,8 +3,6 @@
 A page that loses its connection, or is loaded anew, finds its state again by its token.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Mapping

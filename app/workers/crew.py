@@ -5,8 +5,6 @@ places: it starts beside the other, loads what was used last, and takes its plac
 job.
 """
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable, Sequence

@@ -1,7 +1,5 @@
 """Calls made in order by a thread of their own, so that no caller waits for a slow listener."""
 
-from __future__ import annotations
-
 import logging
 import queue
 import threading

@@ -4,8 +4,6 @@ Files are read, checked and drawn for a trial here, in a process where a bad one
 other tabs; any tab can then show the result, in some tens of milliseconds.
 """
 
-from __future__ import annotations
-
 import logging
 import math
 import tempfile

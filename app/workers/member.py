@@ -1,7 +1,5 @@
 """The jobs of the pool, and its places: a process each, which may come and go, and its job."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Hashable
 from dataclasses import dataclass, field

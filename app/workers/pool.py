@@ -10,8 +10,6 @@ outside the lock, by two threads, in the order in which the reports came about: 
 tabs; the other calls the warm-up's and writes the log, whose terminal may not be read by anybody.
 """
 
-from __future__ import annotations
-
 import itertools
 import logging
 import threading

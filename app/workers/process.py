@@ -3,8 +3,6 @@
 Only `run` waits; it is called by a thread of the process' own.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import logging

@@ -4,8 +4,6 @@ A job's reports are any number of partial ones (`Progress`, `SimulatedSoFar`, `S
 outcome, and nothing after it. `job` is the job's number.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

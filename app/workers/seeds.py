@@ -6,8 +6,6 @@ places at the end (`Outcome.foot_error`, of the foot that is farthest). That dis
 place and a wrong heading alike, in metres, and the strict measure has it too.
 """
 
-from __future__ import annotations
-
 import math
 
 from app.panel.status import SeedResult

@@ -4,8 +4,6 @@ Those of jumps whose apex is dragged, and those that plan anew in flight. They t
 each, once on a machine. The process ends with the one that asked for it.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import subprocess

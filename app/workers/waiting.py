@@ -13,8 +13,6 @@
 6. At most `MOST_WAITING` jobs wait; beyond that new tabs are refused until the queue is shorter.
 """
 
-from __future__ import annotations
-
 from collections.abc import Hashable, Iterator, Sequence
 
 from app.workers.member import Entry, Member

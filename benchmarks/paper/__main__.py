@@ -3,8 +3,6 @@
 Figures go to `docs/paper/`, and `docs/paper.md` is written anew from what was measured.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import time

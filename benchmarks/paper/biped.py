@@ -1,7 +1,5 @@
 """SLIDER's 90 deg twist and its jump onto a box of 35 cm, and how high it gets here."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

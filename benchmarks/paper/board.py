@@ -1,7 +1,5 @@
 """ANYmal's 30 deg twist onto a board of 25 mm that it does not know of."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

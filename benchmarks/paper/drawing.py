@@ -1,7 +1,5 @@
 """Figures in the paper's arrangement: curves over the phases, and rows of snapshots."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import islice
 from pathlib import Path

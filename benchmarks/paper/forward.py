@@ -1,7 +1,5 @@
 """ANYmal's 30 cm forward: do the feet stretch, does the pitch change less?"""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """How far ANYmal can be planned to jump, by model: whether inertia shaping moves that limit."""
 
-from __future__ import annotations
-
 import re
 import tempfile
 from pathlib import Path

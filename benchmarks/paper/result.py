@@ -1,7 +1,5 @@
 """One of the paper's results as it came out here, and its text."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

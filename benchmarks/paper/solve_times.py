@@ -1,7 +1,5 @@
 """Solve times: the paper's table beside this machine's, as ratios."""
 
-from __future__ import annotations
-
 import math
 import statistics
 from collections.abc import Callable

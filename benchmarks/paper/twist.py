@@ -1,7 +1,5 @@
 """ANYmal's 90 deg twist: with inertia shaping the base turns on in flight."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -5,8 +5,6 @@ judged by `judge.py`, with ANYmal's drives and a floor of friction 0.5. `docs/pe
 anew. Crocoddyl is installed into an environment of its own on the first run.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import statistics

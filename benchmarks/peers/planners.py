@@ -1,7 +1,5 @@
 """Planners that answer the same request: this project's, the paper's formulation, Crocoddyl."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from dataclasses import dataclass

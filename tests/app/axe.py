@@ -1,7 +1,5 @@
 """axe-core in a page: what keeps people from using it, serious or critical."""
 
-from __future__ import annotations
-
 from importlib.resources import files
 
 import pytest

@@ -1,7 +1,5 @@
 """A headless Chromium that renders the scene in software, and what to read off its pictures."""
 
-from __future__ import annotations
-
 import base64
 import contextlib
 import io

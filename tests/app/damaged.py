@@ -1,7 +1,5 @@
 """Files as nobody should send them: the page's own, damaged; the same for the same seed."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 

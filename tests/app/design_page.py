@@ -1,7 +1,5 @@
 """A page of nothing but the design controls, which notes down what they tell."""
 
-from __future__ import annotations
-
 import contextlib
 import queue
 

@@ -1,7 +1,5 @@
 """The labels that a visitor reads in the panel."""
 
-from __future__ import annotations
-
 from tests.app.chromium import FOLDERS, unfold
 
 _VISIBLE = """() => [...document.querySelectorAll("label, button, [role=tab]")]

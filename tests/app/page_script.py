@@ -1,7 +1,5 @@
 """The part of the page's scripts (app/static) in a tab without a browser: take, decode, answer."""
 
-from __future__ import annotations
-
 import base64
 import itertools
 import json

@@ -1,7 +1,5 @@
 """Planners for the process under test; twist, or seed, says how they shall behave."""
 
-from __future__ import annotations
-
 import math
 import os
 import time

@@ -1,7 +1,5 @@
 """A tab as the pool of computing processes knows it: submits jobs and keeps the reports."""
 
-from __future__ import annotations
-
 import queue
 
 from app.workers.reports import Partial, Progress

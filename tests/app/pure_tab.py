@@ -1,7 +1,5 @@
 """A tab without threads: events go into `update`, effects are kept, jobs are answered by hand."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Requests as nobody's browser sends them."""
 
-from __future__ import annotations
-
 import http.client
 import socket
 

@@ -1,7 +1,5 @@
 """A tab without a browser: speaks viser's protocol and keeps what a browser would show."""
 
-from __future__ import annotations
-
 import re
 import threading
 import time

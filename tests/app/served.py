@@ -1,7 +1,5 @@
 """A server with made-up plans, to be killed: `python -m tests.app.served PORT`."""
 
-from __future__ import annotations
-
 import sys
 import threading
 

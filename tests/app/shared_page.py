@@ -1,7 +1,5 @@
 """A page that tests share, and how it is brought back to where each of them begins."""
 
-from __future__ import annotations
-
 from app.link import BesideChosen
 from app.panel.acts import Act
 from app.panel.view_controls import View

@@ -3,8 +3,6 @@
 Of several flights each is like the first; phases between flights share the time of one stance.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """What might have been planned anew during a rollout: the CoM as it flew, footholds below it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

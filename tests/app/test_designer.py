@@ -1,7 +1,5 @@
 """Starting and ending: ports, addresses, signals, the terminal."""
 
-from __future__ import annotations
-
 import contextlib
 import os
 import re

@@ -1,7 +1,5 @@
 """What makes the page a designer: pins, night, small screens; in a real browser."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """A replay in the frame of another page, and in a notebook: scripts control it."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import http.server

@@ -1,7 +1,5 @@
 """A foot's landing place, dragged with the mouse in the picture and typed in the panel."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -4,8 +4,6 @@ Nor does axe-core find anything serious or critical, in viser's controls neither
 static/accessibility.js and static/panel.js supply the names and contrasts that viser lacks.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.axe import findings

@@ -4,8 +4,6 @@ Nothing is read: a slider is moved, the robot simulated and pushed, and a file s
 in sight or one click away. Then the examples are looked into.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from app import gallery

@@ -1,7 +1,5 @@
 """The pictures of the documentation show today's page, in full colour."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

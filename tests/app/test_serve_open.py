@@ -1,7 +1,5 @@
 """`llsrbm serve --open FILE`: every tab begins with it, or nothing is served."""
 
-from __future__ import annotations
-
 from unittest.mock import MagicMock
 
 import pytest

@@ -1,7 +1,5 @@
 """Edges and apex of the timeline, dragged with the mouse and moved with the keys, in a browser."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import PACE, paused_at, press

@@ -1,7 +1,5 @@
 """What the door promises over real sockets, and what it relies on in viser."""
 
-from __future__ import annotations
-
 import inspect
 from collections import deque
 

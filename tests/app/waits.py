@@ -1,7 +1,5 @@
 """Waiting for what is to come."""
 
-from __future__ import annotations
-
 import time
 
 

@@ -3,8 +3,6 @@
 `OVERLAYS` names them all. A new overlay is a class in a file here, and nothing else.
 """
 
-from __future__ import annotations
-
 from importlib import import_module
 from pkgutil import iter_modules
 

@@ -1,7 +1,5 @@
 """The centre of mass of the robot that is drawn solid, and the paths of it and of the feet."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

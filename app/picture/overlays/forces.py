@@ -1,7 +1,5 @@
 """Forces of the ground: arrows, where they must stay, where they act together; and the momentum."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

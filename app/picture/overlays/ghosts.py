@@ -4,8 +4,6 @@ A ghost is drawn, the whole of it, only while a part of it is away from the soli
 surfaces in nearly the same place flicker through each other.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import chain, count

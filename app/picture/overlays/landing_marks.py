@@ -1,7 +1,5 @@
 """Where the feet shall land, and the step up or down."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """New plans of a robot under way: at each instant the one that is followed."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Outlines on the ground: the hull of what stands, and where feet can still land."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """An arrow on the trunk while it is pushed, with the push's size."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Where the planner lets feet be."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import lru_cache
 

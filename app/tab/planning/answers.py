@@ -1,7 +1,5 @@
 """Answers to a request: its plan that is shown, the nearest one, or a refusal."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app.motion.baked import presentable

@@ -4,8 +4,6 @@ A robot's classifier ships (`llsrbm.atlas.feasible`); what this tab has planned,
 refused, corrects it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Motions of designs that were there before: shown again to the last bit, without planning."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app.panel import summaries

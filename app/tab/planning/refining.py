@@ -1,7 +1,5 @@
 """The whole body's plan, begun from the draft that is shown, once its request has rested."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from app.panel import summaries

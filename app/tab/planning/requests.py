@@ -1,7 +1,5 @@
 """Requests: the design is planned, after it has rested once more; the ones before it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 
 from app.panel.acts import Act

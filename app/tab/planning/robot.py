@@ -1,7 +1,5 @@
 """The robot of a design: prepared, loaded and drawn before anything is planned for it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from app.panel import summaries

@@ -4,8 +4,6 @@ It comes with the package, in `assets/plans` (made by `python -m benchmarks.init
 this server has made its own: so something moves while the solvers are still being built.
 """
 
-from __future__ import annotations
-
 import logging
 import threading
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The beginning of a tab, and its coming back: kept or shared designs, files, examples."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

@@ -3,8 +3,6 @@
 The page hands the text back when it is opened again, in this tab and in new ones.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from pydantic import BaseModel, ValidationError

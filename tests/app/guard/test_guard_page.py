@@ -1,7 +1,5 @@
 """The guarded page in a real Chromium, off loopback: entering, its content policy, other sites."""
 
-from __future__ import annotations
-
 import contextlib
 import http.server
 import socket

@@ -1,7 +1,5 @@
 """The policy alone: requests as values, and a clock that is the test's."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 

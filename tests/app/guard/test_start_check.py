@@ -1,7 +1,5 @@
 """A server whose guard does not hold is not served, whatever the cause."""
 
-from __future__ import annotations
-
 import contextlib
 from http import HTTPStatus
 

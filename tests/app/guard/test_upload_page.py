@@ -1,7 +1,5 @@
 """Files in a real Chromium."""
 
-from __future__ import annotations
-
 import contextlib
 import random
 import threading

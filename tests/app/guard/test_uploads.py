@@ -1,7 +1,5 @@
 """What a tab may send that is no click: files and messages of any size and shape."""
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import logging

@@ -1,7 +1,5 @@
 """Counting connections, and those that send too much, too fast, too slowly or not at all."""
 
-from __future__ import annotations
-
 import contextlib
 import logging
 import random

@@ -1,7 +1,5 @@
 """The camera's buttons and keys, and what the picture looks like through it; in a real browser."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from PIL import Image

@@ -1,7 +1,5 @@
 """static/player.js alone, in a browser whose clock and frames are the test's."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Frames out of bare states agree with those of the finished rollout."""
 
-from __future__ import annotations
-
 from time import thread_time
 
 import numpy as np

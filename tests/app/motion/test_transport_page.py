@@ -1,7 +1,5 @@
 """The motion that the page plays by itself, its bar and its keys, in a real browser."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The menu of robots with arms, spoken to as a browser (or a hostile script) would."""
 
-from __future__ import annotations
-
 import pytest
 
 from llsrbm.request.design import load_design

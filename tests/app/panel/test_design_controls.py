@@ -1,7 +1,5 @@
 """What the design controls tell, whatever a tab sends."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.panel.file_controls import FileChoice

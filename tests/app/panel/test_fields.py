@@ -1,7 +1,5 @@
 """Controls made from a table: what a hand moves and what happens meanwhile are both kept."""
 
-from __future__ import annotations
-
 from collections import defaultdict
 from dataclasses import dataclass, replace
 from types import SimpleNamespace

@@ -1,7 +1,5 @@
 """The numbers of single feet's landing places."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

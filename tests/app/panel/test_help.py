@@ -1,7 +1,5 @@
 """The help: topics with titles, and a line on each term."""
 
-from __future__ import annotations
-
 from app.panel.acts import Act
 from app.panel.help import terms, topics
 from app.tab.effects import ShowHelp

@@ -1,7 +1,5 @@
 """The panel in a real browser: one page for all, at the size of a small screen."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """The slider for what the trunk carries."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 from app.panel.jump_controls import PAYLOAD

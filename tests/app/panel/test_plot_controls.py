@@ -1,7 +1,5 @@
 """The choice of charts, spoken to as a browser (or a hostile script) would."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Notes on what controls and figures mean: one at a time, on labels and figures, too."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import fill, number, status

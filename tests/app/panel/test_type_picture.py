@@ -1,7 +1,5 @@
 """A jump type's gait diagram: a bar for each stretch in which a foot stands, and the turn."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from xml.etree import ElementTree as ET

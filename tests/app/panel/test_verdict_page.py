@@ -1,7 +1,5 @@
 """The verdict in a browser: what it says, that it is never cut, and what moves when it grows."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import fill, number, press, status

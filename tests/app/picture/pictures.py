@@ -1,7 +1,5 @@
 """Pictures of made-up plans and simulations, made once."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import lru_cache
 

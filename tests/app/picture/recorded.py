@@ -1,7 +1,5 @@
 """A tab's scene that draws nothing and notes down what it would send."""
 
-from __future__ import annotations
-
 import contextlib
 from types import SimpleNamespace
 from typing import Any

@@ -1,7 +1,5 @@
 """Room that a robot takes, and how far two motions of it are apart."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

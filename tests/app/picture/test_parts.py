@@ -1,7 +1,5 @@
 """Parts that can be pointed at lie on the drawn robot."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

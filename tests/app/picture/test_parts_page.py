@@ -1,7 +1,5 @@
 """The picture is asked what a part does, and the trunk is pulled; in a real browser."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Robots as nodes: shapes stand in for meshes that are not prepared yet."""
 
-from __future__ import annotations
-
 import itertools
 
 import pytest

@@ -1,7 +1,5 @@
 """Robots beside each other keep out of each other's way, and have names and ellipsoids."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """`Scene.draw`: what changed is drawn, and nothing else."""
 
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """A planned motion and a simulation of it, with numbers that are known."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.motion.baked import bake_plan

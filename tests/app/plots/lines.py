@@ -1,7 +1,5 @@
 """The twist of the plots' planned motion, and values of their lines."""
 
-from __future__ import annotations
-
 import numpy as np
 
 TWIST = 2.5

@@ -1,7 +1,5 @@
 """From what is chosen to what is drawn and written: choices, figures, tables."""
 
-from __future__ import annotations
-
 import csv
 import io
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """The plots of a tab, as they go over the line."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """The plots in a real browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from xml.etree import ElementTree as ET
 

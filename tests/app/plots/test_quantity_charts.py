@@ -1,7 +1,5 @@
 """Any quantity can be plotted, by components, alone or with others in a chart."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of parts as the picture shows them."""
 
-from __future__ import annotations
-
 import json
 
 import numpy as np

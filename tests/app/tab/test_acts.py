@@ -1,7 +1,5 @@
 """Acts of the panel, and the inbox in which they wait for a session's thread."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.link import PushDragged

@@ -1,7 +1,5 @@
 """`update` with any events in any order."""
 
-from __future__ import annotations
-
 from dataclasses import fields, is_dataclass, replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """The atlas of a tab, without a browser: what it is sent, and what its clicks open."""
 
-from __future__ import annotations
-
 import json
 import math
 from unittest.mock import MagicMock

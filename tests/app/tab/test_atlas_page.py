@@ -1,7 +1,5 @@
 """The atlas in a real browser: a click opens a jump, sliders move the point."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import choose, fill, number, press, status, unfold

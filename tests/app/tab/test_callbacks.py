@@ -1,7 +1,5 @@
 """The session's rule: what viser calls on its event loop only puts into the inbox."""
 
-from __future__ import annotations
-
 import inspect
 import threading
 from enum import Enum

@@ -1,7 +1,5 @@
 """Tabs that go and come back, over a connection and without a browser."""
 
-from __future__ import annotations
-
 import logging
 import threading
 from contextlib import closing

@@ -1,7 +1,5 @@
 """A page that is loaded anew, loses its connection, or its server, in a real browser."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """One jump made in several ways beside each other, as values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

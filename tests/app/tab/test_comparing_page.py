@@ -1,7 +1,5 @@
 """From a fresh page to the sentence on its models, in a real browser."""
 
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,5 @@
 """What is pinned beside the present design, as values."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.link import BesideChosen, PinPressed

@@ -1,7 +1,5 @@
 """Chips of what is pinned, over the picture, in a real browser."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import COMPARE, fill, press, status, tab

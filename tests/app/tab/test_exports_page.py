@@ -1,7 +1,5 @@
 """The dialog of exports, in a real browser."""
 
-from __future__ import annotations
-
 import pytest
 
 from llsrbm.formats import FORMATS

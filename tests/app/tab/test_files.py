@@ -1,7 +1,5 @@
 """Files opened and saved, as values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Plans and simulations opened in a real browser, by the button and by dropping them."""
 
-from __future__ import annotations
-
 import zipfile
 
 import numpy as np

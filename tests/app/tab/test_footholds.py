@@ -1,7 +1,5 @@
 """Single feet's landing places, dragged and typed: which requests they become, and undone."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from app.panel.acts import Act

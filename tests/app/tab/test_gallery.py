@@ -1,7 +1,5 @@
 """The examples as cards with moving pictures, and one that is chosen."""
 
-from __future__ import annotations
-
 import base64
 import io
 

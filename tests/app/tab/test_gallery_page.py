@@ -1,7 +1,5 @@
 """The gallery of examples, in a real browser."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app.chromium import press

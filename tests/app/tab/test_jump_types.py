@@ -1,7 +1,5 @@
 """Jumps of another type, as values: chosen, undone, on another robot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

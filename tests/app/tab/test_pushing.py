@@ -1,7 +1,5 @@
 """A push as the page has it: where it begins, dragged, simulated, undone, compared."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

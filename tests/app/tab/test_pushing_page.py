@@ -1,7 +1,5 @@
 """A push drawn with the mouse, simulated with replanning and compared; in a real browser."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Requests of a visitor, as values: no server, no thread, no planner."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Results of a tab's jobs, as values: plans, simulations, failures."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

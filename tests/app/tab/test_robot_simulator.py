@@ -1,7 +1,5 @@
 """The robot simulator in a tab, as values: what is asked for, and what stands beside it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

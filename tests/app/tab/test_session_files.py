@@ -1,7 +1,5 @@
 """Files in and out of one tab: opened without solving again, and gone on from; saved in formats."""
 
-from __future__ import annotations
-
 import io
 import json
 import math

@@ -1,7 +1,5 @@
 """The controls of a push and of replanning, as a page's scripts may set them."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Simulating in one tab."""
 
-from __future__ import annotations
-
 import pytest
 
 from tests.app import planners

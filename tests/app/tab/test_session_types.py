@@ -1,7 +1,5 @@
 """Jump types in one tab, spoken to as a browser (or a hostile script) would."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """Weights and limits that are typed into the page's table."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """`update`: events that change nothing else."""
 
-from __future__ import annotations
-
 from dataclasses import fields
 
 import pytest

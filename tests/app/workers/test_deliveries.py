@@ -1,7 +1,5 @@
 """Listeners are called in order, and what one does wrong reaches no other."""
 
-from __future__ import annotations
-
 import logging
 import threading
 import time

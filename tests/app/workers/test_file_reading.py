@@ -1,7 +1,5 @@
 """What a file holds, or one line that says why it cannot be opened."""
 
-from __future__ import annotations
-
 import json
 import math
 import pickle

@@ -1,7 +1,5 @@
 """Computing processes that are killed from outside, as by a machine that is short of memory."""
 
-from __future__ import annotations
-
 import os
 import signal
 from contextlib import closing

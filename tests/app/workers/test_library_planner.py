@@ -1,7 +1,5 @@
 """The library as a computing process uses it: what reaches it, and what is left out."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Nothing keeps the pool from answering: defects, stopped processes, full queues, bad listeners."""
 
-from __future__ import annotations
-
 import logging
 import os
 import signal

@@ -1,7 +1,5 @@
 """The pool of computing processes: order, cancelling, crashes. How tabs share: see test_sharing."""
 
-from __future__ import annotations
-
 import contextlib
 import time
 

@@ -1,7 +1,5 @@
 """Several seeds of one plan: every one reported, the worst kept."""
 
-from __future__ import annotations
-
 import math
 from contextlib import closing
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """How tabs share two computing processes: nobody waits for another or gets its results."""
 
-from __future__ import annotations
-
 import math
 import os
 import signal

@@ -1,7 +1,5 @@
 """Solvers that will be wanted next are built by a process of their own."""
 
-from __future__ import annotations
-
 import json
 import math
 import subprocess

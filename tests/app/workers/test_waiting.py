@@ -1,7 +1,5 @@
 """Whose turn it is: rules checked on made-up queues, without processes."""
 
-from __future__ import annotations
-
 import itertools
 
 from hypothesis import given

@@ -1,7 +1,5 @@
 """A way to make a jump: planned, with patience where that needs it, and followed."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import pytest

@@ -1,7 +1,5 @@
 """One jump made in several ways, in a sentence: checked against the figures of `llsrbm compare`."""
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A made-up classifier whose border is known."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from unittest.mock import patch

@@ -1,7 +1,5 @@
 """Which jumps can be planned, without planning them."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

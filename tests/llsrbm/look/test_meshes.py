@@ -1,7 +1,5 @@
 """Meshes with fewer faces: what is thin, and what is another colour, stays so."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import trimesh

@@ -1,7 +1,5 @@
 """An overlay's nodes in the world, as a page draws them."""
 
-from __future__ import annotations
-
 import io
 
 import trimesh

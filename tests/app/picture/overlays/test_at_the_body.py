@@ -1,7 +1,5 @@
 """Axes of links, angular momentum and inertia: what moves with the body."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Centre of pressure, polygon of support, cones of friction: what stands on the ground."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

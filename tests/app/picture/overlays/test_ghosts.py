@@ -1,7 +1,5 @@
 """Ghosts are drawn whole, and only while they differ from the solid robot."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

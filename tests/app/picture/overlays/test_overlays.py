@@ -1,7 +1,5 @@
 """What every overlay has in common; the geometry of each has a test of its own."""
 
-from __future__ import annotations
-
 import pytest
 
 from app.picture.overlays import AT_FIRST, OVERLAYS

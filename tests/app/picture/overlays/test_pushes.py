@@ -1,7 +1,5 @@
 """What is drawn of a push and of plans made anew: arrows, words, paths, footholds, regions."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """The tint of the sliders: what is sent to the page, and what a tab learns."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

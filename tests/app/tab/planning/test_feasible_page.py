@@ -1,7 +1,5 @@
 """The sliders' tracks in a real browser."""
 
-from __future__ import annotations
-
 import pytest
 
 from llsrbm.request.tuning import Tuning

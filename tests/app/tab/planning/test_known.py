@@ -1,7 +1,5 @@
 """Motions that were there before come back as they were, without planning."""
 
-from __future__ import annotations
-
 from app.panel.acts import Act
 from app.panel.status import Verdict
 from app.tab.effects import Submit

@@ -1,7 +1,5 @@
 """The plan that tabs begin with: the one that ships, and not another one's."""
 
-from __future__ import annotations
-
 import logging
 from dataclasses import replace
 

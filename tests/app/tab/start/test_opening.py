@@ -1,7 +1,5 @@
 """How a tab begins and how it comes back, as values."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

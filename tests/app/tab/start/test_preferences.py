@@ -1,7 +1,5 @@
 """Preferences that a browser keeps, and whatever else it may hand back."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,5 @@
 """Joints keep off their stops, in Go2's numbers; angles by Pinocchio."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
