@@ -1,7 +1,5 @@
 """Long computations whose caller may have gone: they go on step by step, and end between two."""
 
-from __future__ import annotations
-
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager

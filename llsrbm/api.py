@@ -1,7 +1,5 @@
 """The functions that scripts, the command line and the page call."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Types of NumPy arrays, by what they hold, and stretches of flags; docstrings say the shapes."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ An entry lies at `<cache directory>/<kind>/<hash of its key><suffix>`. Another i
 file, so nothing is ever invalidated. The entries last used are kept, of each kind and robot some.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import logging

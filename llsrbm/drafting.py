@@ -1,7 +1,5 @@
 """Drafts: centroidal plans of the first stage, of the robot without what it carries."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace

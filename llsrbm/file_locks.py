@@ -3,8 +3,6 @@
 Linux and macOS have them by `fcntl`, Windows by `msvcrt`, where a shared lock is an exclusive one.
 """
 
-from __future__ import annotations
-
 import importlib
 from contextlib import suppress
 from typing import IO, Any

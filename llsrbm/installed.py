@@ -1,7 +1,5 @@
 """The package as it is installed: its version, and where its assets are."""
 
-from __future__ import annotations
-
 from functools import cache
 from importlib import metadata
 from pathlib import Path

@@ -3,8 +3,6 @@
 Quaternions are w, x, y, z.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation

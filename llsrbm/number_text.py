@@ -3,8 +3,6 @@
 For prose and tables, of the page and of the command line. JSON and files have plain numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

@@ -1,7 +1,5 @@
 """Number of processors that this process may use."""
 
-from __future__ import annotations
-
 import math
 import os
 from contextlib import suppress

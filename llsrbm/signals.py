@@ -1,7 +1,5 @@
 """An end that is asked for by a signal, in place of an exception anywhere."""
 
-from __future__ import annotations
-
 import signal
 import threading
 from collections.abc import Callable, Iterator

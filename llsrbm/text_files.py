@@ -1,7 +1,5 @@
 """Text files from anybody: read within limits, in the encodings that editors and shells write."""
 
-from __future__ import annotations
-
 import codecs
 import json
 import stat

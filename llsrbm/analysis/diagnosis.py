@@ -7,8 +7,6 @@ robots that land show, and begins where it last was as small as theirs. *Limits*
 reached in good jumps, too: one is reported only where a deviation follows it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Words for whether a plan is certified, and why one is a draft."""
 
-from __future__ import annotations
-
 from llsrbm.certificate import stated
 from llsrbm.motion.plan import Plan
 

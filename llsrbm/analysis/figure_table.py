@@ -1,7 +1,5 @@
 """Title, unit and precision of every figure that is shown, wherever it is shown."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

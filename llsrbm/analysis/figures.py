@@ -4,8 +4,6 @@ A rollout alone has a plan's figures of the simulated whole body: its flight is 
 contact, its forces hold impacts, and the time to solve it is not known.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

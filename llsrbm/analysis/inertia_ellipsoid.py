@@ -1,7 +1,5 @@
 """An inertia as something to look at: the uniform solid of the same mass and inertia."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

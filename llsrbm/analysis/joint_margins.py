@@ -1,7 +1,5 @@
 """Margins of a plan's postures to the joints' limits of position and speed."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

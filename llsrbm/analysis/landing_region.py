@@ -8,8 +8,6 @@ region shrinks as the robot falls, until it is the place where the foot is. The 
 leg is left out, so that regions are convex.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

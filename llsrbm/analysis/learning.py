@@ -1,7 +1,5 @@
 """Solves jumps over a robot's whole range, for later ones to begin from (`llsrbm robot learn`)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import combinations

@@ -13,8 +13,6 @@ momentum of the legs, and falls behind it in flight, where the legs swing on: th
 opposite signs, and a yaw at touchdown is their sum.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 

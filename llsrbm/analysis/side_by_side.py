@@ -5,8 +5,6 @@ or the roll of one to the side. Errors of a model show in flight, where nothing 
 at touchdown they may cancel with what was off at lift-off (`llsrbm.analysis.model_turn`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Plans and rollouts in a few figures, for the command line, the page and scripts."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 from typing import Any
 

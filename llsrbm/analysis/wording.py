@@ -1,7 +1,5 @@
 """Plans and rollouts in words: rows of a title and a value, the same wherever they are read."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A jump's seeds are together already (`llsrbm.atlas.jumps`): shares are of its se
 several jumps has the mean of their shares and figures, and the limiting constraint of most of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 

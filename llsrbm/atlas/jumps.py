@@ -1,7 +1,5 @@
 """The jumps of a sweep: request and result of each, its seeds together."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

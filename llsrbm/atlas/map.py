@@ -6,8 +6,6 @@ has (`ALL`: each cell is its jumps together, see `llsrbm.atlas.colours`). Cells 
 grid's axis; a drawn sweep's axis is divided evenly.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Inverse dynamics of the whole body under contact forces, by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -15,8 +15,6 @@ Nothing of the planner's models enters.
   by how much the plan's centroidal dynamics are not those of the whole body.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

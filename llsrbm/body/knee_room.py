@@ -1,7 +1,5 @@
 """How thick legs are at their knees, by the shapes of thighs and shanks."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import coal

@@ -1,7 +1,5 @@
 """Momentum and inertia of the whole body, by Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

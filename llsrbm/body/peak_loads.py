@@ -1,7 +1,5 @@
 """The largest loads of the joints, of arrays over intervals."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

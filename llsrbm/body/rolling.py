@@ -5,8 +5,6 @@ contact point, right below, with it: 17 mm in a back flip's take-off, which is 1
 momentum.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array, IntArray

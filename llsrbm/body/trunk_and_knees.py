@@ -1,7 +1,5 @@
 """The robot's trunk and knees: what of it, beside its feet, must not run into anything."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

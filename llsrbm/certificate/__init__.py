@@ -4,8 +4,6 @@ Nothing of the planner or its models enters. Each check is a small class with a 
 `certificate.CHECKS`; it gives a `Finding`.
 """
 
-from __future__ import annotations
-
 from llsrbm.certificate.certificate import CHECKS, Certificate, certified, certify, stated
 from llsrbm.certificate.finding import Check, Finding
 

@@ -1,7 +1,5 @@
 """Checks of the feet: friction, forces that only push, and standing feet that stay."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array, stretches

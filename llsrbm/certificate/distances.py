@@ -3,8 +3,6 @@
 Shapes are those of the URDF's collision geometry, distances coal's.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

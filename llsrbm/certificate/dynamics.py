@@ -1,7 +1,5 @@
 """Check of the whole body's dynamics: nothing but its contacts and gravity moves the robot."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.certificate.finding import Check, Finding

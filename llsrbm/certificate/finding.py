@@ -1,7 +1,5 @@
 """A finding of a check: the worst value of a motion, its limit, and whether that holds."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar

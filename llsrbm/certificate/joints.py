@@ -1,7 +1,5 @@
 """Checks of the joints: stops, speeds, torques, and torques at their speeds."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.certificate.finding import Check, Finding

@@ -3,8 +3,6 @@
 Exit status: 0 done, 1 it ran and failed, 2 bad input with one line on stderr.
 """
 
-from __future__ import annotations
-
 import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any

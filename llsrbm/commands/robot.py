@@ -1,7 +1,5 @@
 """`llsrbm robot`: a first robot file from a URDF, and a robot's table of solved jumps."""
 
-from __future__ import annotations
-
 import os
 import re
 import tempfile

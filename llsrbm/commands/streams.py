@@ -4,8 +4,6 @@ A stream may be closed (`>&-`), its disk full, its reader gone (`| head -1`), an
 lack letters.
 """
 
-from __future__ import annotations
-
 import contextlib
 import io
 import os

@@ -14,8 +14,6 @@ than planned, and the robot may have jumped higher. So
 The feet that stand measure how high the ground is, and the motion is raised by that from there on.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

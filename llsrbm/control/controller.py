@@ -1,7 +1,5 @@
 """The whole-body controller: what is wanted in each phase of a plan, and torques for it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The drives' delay, known from measured torques, and the state that a command will meet."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 

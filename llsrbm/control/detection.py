@@ -1,7 +1,5 @@
 """Contact detectors, found by name; adding one is a class and one line here."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property

@@ -11,8 +11,6 @@ the detector goes on reporting it for a while, when J is over and both are noise
 ends, only an impulse that stands out of noise counts.
 """
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -20,8 +20,6 @@ which takes energy out whatever the robot's state: legs fold slowly under its we
 landing but a stop that harms least, and `solved` says so of every such tick.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from typing import NamedTuple
 

@@ -10,8 +10,6 @@ acceleration that leads there within `REACTION`: at w' = w - a T and d' = d - T 
 the margin the joint returns within `RETURN`.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array

@@ -1,7 +1,5 @@
 """Landing strategies: use of the plan's landing forces after touchdown."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

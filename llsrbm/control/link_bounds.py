@@ -5,8 +5,6 @@ in place of the joint's, d' = s v and d'' = s a + b of the joints, and what all 
 it: A = sum_j |s_j| `BRAKING` tau_j / M_jj.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array

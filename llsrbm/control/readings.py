@@ -1,7 +1,5 @@
 """`Readings`: everything that a robot's own sensors say at one instant."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from llsrbm.arrays import Array

@@ -1,7 +1,5 @@
 """A plan as the controller follows it: smooth, sampled finely, looked up in no time."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import NamedTuple
 

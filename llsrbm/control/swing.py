@@ -1,7 +1,5 @@
 """Feet that swing, between the plan's knots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

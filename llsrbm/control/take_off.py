@@ -13,8 +13,6 @@ and T mean(I^-1) dL + dtheta further turned. The gains K of df = K e that make t
 squares of those, of df and of e on the way least, are found backwards from lift-off.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

@@ -3,8 +3,6 @@
 J dv/dt + bias = feedforward + kp error + kd error_rate
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, NamedTuple

@@ -12,8 +12,6 @@ that stand are held by the ground and leave out nothing. In flight drives are ne
 d made feet miss their places by as much again: there is none.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array, BoolArray

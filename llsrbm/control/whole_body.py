@@ -1,7 +1,5 @@
 """Everything a control tick needs to know about the robot's dynamics, from Pinocchio."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dgesv  # a third of the time of NumPy's solve

@@ -1,7 +1,5 @@
 """`FootKinematics`: where a robot's feet are in its base, and how they move, by its joints."""
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 

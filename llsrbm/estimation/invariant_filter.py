@@ -20,8 +20,6 @@ inertial unit begins both do the same.
 A ball of radius r that rolls moves its middle: d' = w_foot x r e_z.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dposv

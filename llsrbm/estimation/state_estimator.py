@@ -27,8 +27,6 @@ over the tick that ended and so half a tick old, and half of its last change on 
 front flips of a Go2 left the ground turning up to 2 % too fast.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation

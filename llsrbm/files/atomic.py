@@ -6,8 +6,6 @@ name the file that was there before. A folder takes the place of another in two 
 the name is free for some microseconds.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import shutil

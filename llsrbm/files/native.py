@@ -1,7 +1,5 @@
 """Common to the native files of plans and rollouts: a schema, JSON at `meta`, declared arrays."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping

@@ -7,8 +7,6 @@ a table has a column for each component, sampling mixes as `between` says, and `
 prints them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from enum import Enum

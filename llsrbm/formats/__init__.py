@@ -4,8 +4,6 @@ Adding a format is one declaration and one line in `_formats`; another package r
 an entry point `llsrbm.formats`.
 """
 
-from __future__ import annotations
-
 import tempfile
 import zipfile
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """A file format: its options, the packages that it needs, and the JSON that stands beside files."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

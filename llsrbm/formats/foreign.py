@@ -1,7 +1,5 @@
 """From the states in another tool's file to a motion: checked, joints in the robot's order."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -25,8 +25,6 @@ Can be opened if it has `joint_names`: the root is the first body; momenta and i
 the states, and which feet stand is told from how they move.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The project's own files: everything about a motion, or only the request, to start from again."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from llsrbm.files.npz import keys

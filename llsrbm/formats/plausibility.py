@@ -4,8 +4,6 @@ A file may have another convention than its format says: w first, degrees, centi
 such kind has one sentence that names the evidence and the likely cause; nothing is converted.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -6,8 +6,6 @@ sign. Joints that slide are in m, m/s and N. Forces and torques are those of the
 tick that a row falls into. 12 digits. A JSON file beside it has request, robot and solver.
 """
 
-from __future__ import annotations
-
 import csv
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Reference motions as rows of numbers, as trainers and retargeters read them."""
 
-from __future__ import annotations
-
 import json
 import pickle
 from pathlib import Path

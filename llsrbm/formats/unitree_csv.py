@@ -18,8 +18,6 @@ are left out, with a remark. Velocities are then differences of the frames aroun
 are smeared over two frames; which feet stand is told from how they move.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

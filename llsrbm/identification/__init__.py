@@ -5,8 +5,6 @@ found = identify(robot, log)
 found.joints["FL_calf_joint"].armature, found.delay
 """
 
-from __future__ import annotations
-
 from llsrbm.identification.fit import Identified, JointDrive, identify
 from llsrbm.identification.log import Log, read_log
 

@@ -1,7 +1,5 @@
 """Identified drives as the table [drives] of a robot file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from llsrbm.errors import InputError

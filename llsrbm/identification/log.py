@@ -6,8 +6,6 @@ and `tau:NAME` (Nm, as commanded, held until the next row); with the base's iner
 MCAP: the player's own log, all of an excitation; of a played plan only its free fall enters.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import struct

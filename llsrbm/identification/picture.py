@@ -1,7 +1,5 @@
 """Measured against modelled torques as a picture, by matplotlib (`llsrbm[pictures]`)."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

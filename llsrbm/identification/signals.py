@@ -1,7 +1,5 @@
 """A log's signals as drives are told from them: filtered, with what the links take."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -4,8 +4,6 @@ A colour says what a thing is, never which model made it: models differ by the s
 by a tint (`paler`).
 """
 
-from __future__ import annotations
-
 Rgb = tuple[int, int, int]
 
 PLANNED: Rgb = (44, 123, 229)

@@ -1,7 +1,5 @@
 """`ShownMotion`: a motion ready to be drawn, on the page, in pictures, videos and logs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,7 +1,5 @@
 """The timeline of a motion: its phases as strips, and what happens when."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import asdict, dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Short names of designs: what matters about one, and what tells several apart."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Centroidal models, found by name; adding one is one file and one line here."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from llsrbm.models.base import CentroidalModel

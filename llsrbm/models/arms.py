@@ -9,8 +9,6 @@ Base axes, seen from the base's origin, unless a name says otherwise. Angles are
 joints one after another, (A n, 1), `Robot.arm_joint_index`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -20,8 +20,6 @@ form both for given x_i and for given beta_i.
 The matrices may be CasADi SX or DM.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 They are fitted over the robot file's reach by inverse kinematics, soles level.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

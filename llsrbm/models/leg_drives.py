@@ -13,8 +13,6 @@ closed forms and `llsrbm.models.fitted_leg` for any other.
 The matrices may be CasADi SX or DM.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any
 

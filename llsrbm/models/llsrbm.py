@@ -1,7 +1,5 @@
 """The paper's lump leg single rigid body model (section III), and a single rigid body."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """LL-SRBM+: leg maps fitted from the URDF, with the legs' own inertia and momentum."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -4,8 +4,6 @@ Vectors are in the axes of the body that they belong to, those of the base in th
 place and velocity do not enter the dynamics, so they are left out of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -5,8 +5,6 @@ is called as the URDF calls the link, and its frame is the link's. Bodies and jo
 the robot's own URDF: joints that its file holds stand among them where they are held.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass

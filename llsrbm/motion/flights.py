@@ -1,7 +1,5 @@
 """The flights of a rollout, as the simulator's contacts tell them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

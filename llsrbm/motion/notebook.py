@@ -1,7 +1,5 @@
 """Plans and rollouts in a notebook: the replay in a frame, or else a short table of figures."""
 
-from __future__ import annotations
-
 import math
 import tempfile
 from html import escape

@@ -1,7 +1,5 @@
 """Plans made anew while a robot was under way, and their part of a rollout's file."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The robot that a motion is of: as its file has it by now, and as the request says it is."""
 
-from __future__ import annotations
-
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots import load_robot

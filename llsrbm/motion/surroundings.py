@@ -11,8 +11,6 @@ A hurdle stands on the ground. Beside a gap lie two blocks, the ground as far be
 is deep. A robot that touches a hurdle has not jumped over it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """A plan or a rollout: reading its native file, and describing it as plain data."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import asdict

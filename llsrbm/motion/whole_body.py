@@ -3,8 +3,6 @@
 Formats of other tools are written from it, foreign files are read into it, and the page draws it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -8,8 +8,6 @@ is printed, and kept in TARGET.failed unless the compiler was killed. Run by its
 nothing of the package.
 """
 
-from __future__ import annotations
-
 import contextlib
 import ctypes
 import hashlib

@@ -6,8 +6,6 @@ them in memory, and one for all that are composed, as they call the same functio
 over the stages and puts the results where they belong.
 """
 
-from __future__ import annotations
-
 import json
 import logging
 import os

@@ -11,8 +11,6 @@ matrices of numbers, level by level: intermediates of a level need none of each 
 grows by what hangs on what, and a compiler has little to do.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -19,8 +19,6 @@ Without them nothing ends Fatrop's search. Limits on rows and scales (below, `MA
 from such slopes, in all known cases but a few; what must end runs in a process that can be killed.
 """
 
-from __future__ import annotations
-
 import ctypes
 import logging
 import os

@@ -1,7 +1,5 @@
 """An optimal control problem as it is stated: stages in a row, each with its expressions."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Marks intermediate quantities of an expression, for derivatives to run through them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -11,8 +11,6 @@ solver that is being built, at the next stage (`llsrbm.abandon`). The next solve
 end of the process does not.
 """
 
-from __future__ import annotations
-
 import atexit
 import itertools
 import re

@@ -4,8 +4,6 @@
 virtual machine; `mapped` is the loop for a compiler. `llsrbm.ocp` says why.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -7,8 +7,6 @@ States follow each other, `check`, `ramp`, `stand`, `jump`, `damp`; what stops a
 plan has ended leads to `damp` at once. Nobody here has run it on a robot.
 """
 
-from __future__ import annotations
-
 from llsrbm.player.player import Ended, Player
 from llsrbm.player.requirements import check_plan
 from llsrbm.player.tier import PERIOD, Tier

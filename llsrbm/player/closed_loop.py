@@ -1,7 +1,5 @@
 """The tier `closed-loop`: estimator and whole-body controller behind the robot's readings."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from llsrbm.control.controller import Tick, WholeBodyController

@@ -8,8 +8,6 @@ Log time is ns since the first reading. Topics, JSON with schemas, a message a t
   /estimate   base and joints as the closed loop believes them: quaternion w, x, y, z
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

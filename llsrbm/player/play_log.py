@@ -1,7 +1,5 @@
 """`PlayLog`: everything that a player has read and sent, tick by tick."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array

@@ -8,8 +8,6 @@ what the robot, its estimator and its player believe does not enter. Contacts of
 the plan's, as it knows no others.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """`Player`: the loop: a reading, what could be wrong, a command; until the robot is damped."""
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A tier without a robot: its first commands, and its code run once before it has to be fast."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.control.motor_command import MotorCommand

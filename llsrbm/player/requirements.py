@@ -1,7 +1,5 @@
 """Plans that a player refuses, and why."""
 
-from __future__ import annotations
-
 from llsrbm.certificate import CHECKS, Certificate, certify
 from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan

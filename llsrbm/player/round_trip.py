@@ -1,7 +1,5 @@
 """`RoundTrip`: how long a command takes until its torque is read back."""
 
-from __future__ import annotations
-
 from collections import deque
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Conditions under which a player stops by itself: each a small class that looks at every tick."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Sequence

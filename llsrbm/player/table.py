@@ -1,7 +1,5 @@
 """The tier `table`: a plan sampled beforehand, followed by the motors' own gains."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.control.motor_command import MotorCommand

@@ -1,7 +1,5 @@
 """`Tier`: a way to make commands, of a plan or without one."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import ClassVar
 

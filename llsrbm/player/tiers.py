@@ -1,7 +1,5 @@
 """The tiers, found by name."""
 
-from __future__ import annotations
-
 from llsrbm.motion.plan import Plan
 from llsrbm.player.closed_loop import ClosedLoop
 from llsrbm.player.table import Table

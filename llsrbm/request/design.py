@@ -14,8 +14,6 @@ A file is JSON; angles in rad, lengths in m, limits in their SI units, whatever 
 `schema`, robot and model must be there; what is left out has its default.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import re

@@ -1,7 +1,5 @@
 """The request: robot, planning model, and where and how to jump."""
 
-from __future__ import annotations
-
 import math
 import reprlib
 from contextlib import suppress

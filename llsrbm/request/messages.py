@@ -5,8 +5,6 @@ A dataclass states each field's meaning, unit and range once, with its type:
 them from there.
 """
 
-from __future__ import annotations
-
 import difflib
 import math
 import reprlib

@@ -1,7 +1,5 @@
 """Stones: where single feet land, beside where they would land by themselves."""
 
-from __future__ import annotations
-
 import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Tables of files (robots, jump types, designs, sweeps), read and checked strictly."""
 
-from __future__ import annotations
-
 import json
 import tomllib
 import typing

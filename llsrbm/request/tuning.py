@@ -1,7 +1,5 @@
 """Changes of the planner by a request: weights of costs, limits of constraints."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any

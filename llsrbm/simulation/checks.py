@@ -1,7 +1,5 @@
 """Checks before a simulation: a solved plan of the robot at hand, and a scenario of known names."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

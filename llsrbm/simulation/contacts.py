@@ -1,7 +1,5 @@
 """Contacts, read each step: force and truth a foot by MuJoCo's sensors, other links by its list."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from itertools import chain
 from typing import NamedTuple

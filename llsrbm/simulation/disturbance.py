@@ -1,7 +1,5 @@
 """Disturbances of the simulated world: drawn by a seed, and pushes, stated or drawn."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

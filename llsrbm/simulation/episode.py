@@ -1,7 +1,5 @@
 """`Episode`: the loop of a simulation: measure, decide, advance, record; and what hooks into it."""
 
-from __future__ import annotations
-
 import math
 import time as wall_clock
 from collections.abc import Callable, Sequence

@@ -11,8 +11,6 @@ The unit's attitude is by a filter of its own, on the same gyroscope and acceler
 bounds the tilt's error while the robot is nearly at rest, nothing bounds the yaw's.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -8,8 +8,6 @@ dropped, and where none is found the old plan goes on. Answers are followed once
 departed from its first plan.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace

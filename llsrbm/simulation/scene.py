@@ -1,7 +1,5 @@
 """The MuJoCo model: the robot's own URDF on a free joint, and what stands around it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache

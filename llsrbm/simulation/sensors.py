@@ -6,8 +6,6 @@ legged robots do that have an inertial unit, joint encoders and feet, and no cam
 an estimator, which reads simulated sensors with noise of their own.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections import deque

@@ -1,7 +1,5 @@
 """A plan followed in the simulator, from its start to a second after its end."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

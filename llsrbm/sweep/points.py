@@ -5,8 +5,6 @@ drawn sweep takes the same shares of its ranges of every robot, model and type, 
 compared jump by jump.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import math

@@ -4,8 +4,6 @@ A few tasks a worker are under way at a time, so that neither the scheduler nor 
 more than those.
 """
 
-from __future__ import annotations
-
 import asyncio
 import logging
 import math

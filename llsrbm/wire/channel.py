@@ -1,7 +1,5 @@
 """`Channel`: messages take their time, and some never arrive."""
 
-from __future__ import annotations
-
 from collections import deque
 from dataclasses import dataclass
 from typing import Generic, TypeVar

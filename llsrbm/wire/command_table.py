@@ -9,8 +9,6 @@ Standing still before the motion and after it has the torques of its first and o
 Gains are those of the robot's file, the same in every row.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 Types are made from the layouts, which also serialise the samples in the package's place.
 """
 
-from __future__ import annotations
-
 import socket
 import time
 from collections import deque

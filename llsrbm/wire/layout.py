@@ -6,8 +6,6 @@ places, too, but structures have no end of their own. Bytes are moved from one t
 stroke: a serialiser that goes from field to field in Python takes a third of a robot's tick.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterator
 from typing import Any

@@ -1,7 +1,5 @@
 """`Link`: commands to a robot and its readings back, whatever is in between."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ has the request's identity, a status and JSON. While a controller of the robot's
 the topic of motor commands, too.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from typing import Any

@@ -1,7 +1,5 @@
 """`Motors`: a robot's motors between the commands of others: they stand, follow, or brake."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array

@@ -1,7 +1,5 @@
 """A simulated robot behind its own topics, in step with the wall clock."""
 
-from __future__ import annotations
-
 import gc
 import os
 import time as wall_clock

@@ -5,8 +5,6 @@ for the same seed and commands. `DirectLink` puts a player in front of it in loc
 `llsrbm robot-sim` puts it behind a robot's own messages.
 """
 
-from __future__ import annotations
-
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Commands and readings as messages of Unitree's robots, and back."""
 
-from __future__ import annotations
-
 import numpy as np
 from scipy.spatial.transform import Rotation
 

@@ -4,8 +4,6 @@
 of the types that DDS compares.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

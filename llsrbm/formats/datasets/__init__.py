@@ -1,7 +1,5 @@
 """Data sets of many motions: a file a motion in any format, and formats of data sets."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path

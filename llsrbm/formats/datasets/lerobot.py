@@ -15,8 +15,6 @@ its own: what a position controller is to reach. Frames are evenly spaced, 50 a 
 default: LeRobot takes whole rates alone.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Logs for viewers. The writers need packages that a plain installation does not have."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from llsrbm.formats.base import Extra, Format, Options, Purpose

@@ -1,7 +1,5 @@
 """The log that Foxglove, rerun and other viewers of MCAP read: `llsrbm.formats.logs.MCAP`."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The recording that the rerun viewer reads: `llsrbm.formats.logs.RRD`."""
 
-from __future__ import annotations
-
 import json
 import tempfile
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """The numbers of a motion that log viewers plot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 

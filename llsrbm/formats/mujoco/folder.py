@@ -29,8 +29,6 @@ depth-first order. Without `qvel` velocities are differences over neighbouring f
 are smeared over them. Only numbers are read: no MJCF, no pickles.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 See `llsrbm.formats.mujoco.folder` for what is read.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 

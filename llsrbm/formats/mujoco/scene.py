@@ -1,7 +1,5 @@
 """The MJCF of a robot in its surroundings: what our simulation runs, to look at and to simulate."""
 
-from __future__ import annotations
-
 import xml.etree.ElementTree as ET
 from collections.abc import Mapping, Sequence
 from pathlib import Path

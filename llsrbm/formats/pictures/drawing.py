@@ -1,7 +1,5 @@
 """A motion for a video: what is drawn of it, and from where it is looked at."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property

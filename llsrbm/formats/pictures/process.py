@@ -7,8 +7,6 @@ OpenGL driver that crashes takes its process along. Pictures go to stdout, one a
 `llsrbm.formats.pictures.video` starts it and says what a film is.
 """
 
-from __future__ import annotations
-
 import pickle
 import sys
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A robot in motion as MuJoCo's renderer draws it; in a process that has OpenGL."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Videos and moving pictures: drawn by MuJoCo without a screen, then captioned."""
 
-from __future__ import annotations
-
 import math
 import os
 import pickle

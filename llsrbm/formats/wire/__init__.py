@@ -1,7 +1,5 @@
 """Files for a robot's own low-level interface, and for those who play or learn from such files."""
 
-from __future__ import annotations
-
 from llsrbm.formats.wire.lowcmd import LOWCMD
 from llsrbm.formats.wire.odri_csv import ODRI_CSV
 from llsrbm.formats.wire.quad_sdk_csv import QUAD_SDK_CSV

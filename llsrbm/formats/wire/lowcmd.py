@@ -25,8 +25,6 @@ here it is 0, so a player has to put it in and make the checksum anew.
 Nobody here has run it on a robot.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

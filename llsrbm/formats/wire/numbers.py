@@ -1,7 +1,5 @@
 """A table of numbers as text."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -19,8 +19,6 @@ an edge has those of the phase that begins. The gains are `kp` and `kd` of [wire
 file, for motors that follow the table alone. Nobody here has run it on a robot.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -17,8 +17,6 @@ file, for motors that follow the table alone. The JSON file beside it has the jo
 (`joint_order`, leg after leg), request and robot. Nobody here has run it on a robot.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Legs of a quadruped by where their hips are, for files that know no names."""
 
-from __future__ import annotations
-
 from llsrbm.errors import InputError
 from llsrbm.robots import Robot
 from llsrbm.robots.robot import Leg

@@ -1,7 +1,5 @@
 """A ROS 2 bag. The writer needs a package that a plain installation does not have."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from llsrbm.files.atomic import MARK

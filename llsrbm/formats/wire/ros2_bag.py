@@ -1,7 +1,5 @@
 """Messages of the bag: `llsrbm.formats.wire.ros2.ROS2_BAG` says which."""
 
-from __future__ import annotations
-
 import shutil
 import tempfile
 from collections.abc import Iterator

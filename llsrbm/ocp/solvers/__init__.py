@@ -3,8 +3,6 @@
 Adding one is one module here, and its class in `_SOLVERS`.
 """
 
-from __future__ import annotations
-
 from llsrbm.ocp.fatrop_patches import WITHIN
 from llsrbm.ocp.solvers.base import FROM_GUESS, MAX_FOLLOW_MISS, SolveOptions, Solver
 from llsrbm.ocp.solvers.fatrop import Fatrop

@@ -1,7 +1,5 @@
 """Solver interface: options of a solve, a solve from a guess, and one from a near solution."""
 
-from __future__ import annotations
-
 import math
 import time
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """Fatrop, which exploits the stages, and how it is made to start from a near solution."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any

@@ -1,7 +1,5 @@
 """Ipopt, a second opinion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How high a CoM flies: it falls freely between the heights of a flight's ends."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from math import sqrt
 from typing import NamedTuple

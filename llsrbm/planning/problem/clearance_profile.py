@@ -5,8 +5,6 @@ beyond it, with ramps between. Ramps lie outside of the obstacle, so that what i
 is above the obstacle.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

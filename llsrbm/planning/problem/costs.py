@@ -4,8 +4,6 @@ Terms are written without their weight; weights are parameters of the solver, so
 costs nothing. Adding a cost is one entry of `COSTS`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Between lift-off and touchdown feet clear a line above the ground, and edges."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Layout, stages, constraints and costs as an optimal control problem, and a task's numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache

@@ -3,8 +3,6 @@
 A constraint names its own (`limits_called`); their values are the robot file's.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

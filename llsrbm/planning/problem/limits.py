@@ -1,7 +1,5 @@
 """The limits that a request may change, generated from what the constraints declare."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Parameters of the solver: their names, sizes and places, and a task's values."""
 
-from __future__ import annotations
-
 import casadi as ca
 import numpy as np
 

@@ -1,7 +1,5 @@
 """From a request to a `Task`: checked, and placed in the world."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 

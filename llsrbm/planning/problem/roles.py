@@ -3,8 +3,6 @@
 Which variables a knot has, and which constraints, follows from its role alone.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -7,8 +7,6 @@ n = (-sin psi, cos psi, 0) across its heading,
     n . u = 0:   phi = atan2(-nb_x, nb_y),   nb = R^T n.
 """
 
-from __future__ import annotations
-
 from functools import lru_cache
 from typing import Any
 

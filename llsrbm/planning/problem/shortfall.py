@@ -8,8 +8,6 @@ that nothing is given up that can be done, and of several components as few as w
 says nothing, the shares change nothing: then all of the request is done.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from llsrbm.arrays import Array

@@ -1,7 +1,5 @@
 """One stage: symbols at a knot, and all that follows from them over the interval after it."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

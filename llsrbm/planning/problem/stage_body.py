@@ -1,7 +1,5 @@
 """One stage's symbols, and what its body does: position, attitude, momentum and contact forces."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

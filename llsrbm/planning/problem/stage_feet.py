@@ -1,7 +1,5 @@
 """Feet of one stage: where they are seen from the body, and how they move."""
 
-from __future__ import annotations
-
 from functools import cached_property
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Where a stage's feet stand, and where its motion ends, of what is done of the request."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import reduce
 from typing import Any

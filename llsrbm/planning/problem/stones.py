@@ -1,7 +1,5 @@
 """Landing places of single feet, as the stones of a request move them: in numbers, and checked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations

@@ -1,7 +1,5 @@
 """Violations of the constraints and defects of the dynamics of a motion."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

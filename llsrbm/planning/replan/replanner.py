@@ -9,8 +9,6 @@ The horizon is short, a few intervals a phase, and each solve starts from the la
 at first, sampled at the new knots.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A robot under way: its state, and limits under which it may catch a push."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

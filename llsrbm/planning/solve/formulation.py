@@ -1,7 +1,5 @@
 """Jumps of one robot with one model as optimal control problems: task in, solved motion out."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

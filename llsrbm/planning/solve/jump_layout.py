@@ -1,7 +1,5 @@
 """Which variables the plan of a jump has."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from llsrbm.errors import InputError

@@ -4,8 +4,6 @@ An interpreted solver takes 130 to 320 MB of a process. Planners, replanners' fo
 refiners are kept in one list, the last used; what has not been used for longest goes first.
 """
 
-from __future__ import annotations
-
 import ctypes
 import gc
 import logging

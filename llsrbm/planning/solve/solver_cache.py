@@ -1,7 +1,5 @@
 """Solvers are built once on a machine, some ten seconds each: the cache has text and a library."""
 
-from __future__ import annotations
-
 import logging
 import zlib
 from collections.abc import Callable

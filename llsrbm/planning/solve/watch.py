@@ -1,7 +1,5 @@
 """Progress and cancellation of planning."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar

@@ -6,8 +6,6 @@ clearance, turn) by Pinocchio. Adding a constraint is one class and its place in
 `CONSTRAINTS`; limits that it has are rows of `problem.limit_table`.
 """
 
-from __future__ import annotations
-
 from llsrbm.planning.problem.constraints.apex_height import ApexHeight
 from llsrbm.planning.problem.constraints.base import AgreedConstraint, Constraint
 from llsrbm.planning.problem.constraints.body_clearance import BodyClearance

@@ -1,7 +1,5 @@
 """How high the centre of mass flies."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Interface of the constraints: rows for the solver, their bounds, and their violation."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from typing import Any, ClassVar, NamedTuple
 

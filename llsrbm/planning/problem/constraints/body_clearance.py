@@ -1,7 +1,5 @@
 """Trunk, knees and feet pass over what lies between start and landing, and keep off the ground."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Feet on the ground: where they stand and what they push with."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -7,8 +7,6 @@ plan (`llsrbm.body.joint_loads`). Where it objects, the rows' bounds are shifted
 from it (`drive_shifts`); `drive_needs` says which joint a limit stops.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import Any, ClassVar
 

@@ -3,8 +3,6 @@
 Arrays (N, 2, J) are of each interval, in its middle and at lift-off or touchdown beside it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -9,8 +9,6 @@ of their limits this is a polygon,
 of which a plan may use the robot file's shares; the rest is for feedback.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

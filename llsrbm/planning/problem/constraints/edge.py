@@ -1,7 +1,5 @@
 """Feet that jump up do not run into the edge of what they land on."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Knees of standing legs keep above what their feet stand on, and swinging legs apart."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

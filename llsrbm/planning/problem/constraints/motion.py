@@ -1,7 +1,5 @@
 """The laws of motion beside the dynamics, durations, and where and how the motion ends."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

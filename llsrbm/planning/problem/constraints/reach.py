@@ -1,7 +1,5 @@
 """Where feet can be: from their hips, and from each other."""
 
-from __future__ import annotations
-
 from itertools import combinations
 from typing import Any
 

@@ -1,7 +1,5 @@
 """How much of a request may be given up."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

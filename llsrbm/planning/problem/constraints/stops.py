@@ -1,7 +1,5 @@
 """Joints keep off their mechanical stops."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

@@ -1,7 +1,5 @@
 """Height and speed of flying feet."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

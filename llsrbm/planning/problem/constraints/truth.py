@@ -1,7 +1,5 @@
 """The model against what the whole body does: its turn in flight, and where its feet roll to."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca

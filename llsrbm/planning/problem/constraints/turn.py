@@ -1,7 +1,5 @@
 """Angles and rates of soles about the vertical; points have no such rows."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import casadi as ca
