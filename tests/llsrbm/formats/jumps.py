@@ -3,6 +3,7 @@
 They are kept as files: `llsrbm.plan(example(robot), draft=True)` of `app.tab.start.initial_plan`.
 """
 
+import csv
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -11,6 +12,7 @@ import mujoco
 import numpy as np
 
 import llsrbm
+from llsrbm.installed import assets_directory
 from llsrbm.motion.plan import Plan, load_plan
 from llsrbm.motion.rollout import Disturbance, Rollout
 from llsrbm.motion.surroundings import Surroundings
@@ -25,6 +27,12 @@ ROBOTS = ("anymal", "slider")
 def planned(robot: str) -> Plan:
     """A draft of the robot's example: a twist of 90 or 45 degrees, SLIDER's jump onto a box."""
     return load_plan(Path(__file__).with_name("drafts") / f"{robot}.npz")
+
+
+@cache
+def shipped(robot: str) -> Plan:
+    """The certified plan of the robot's example."""
+    return load_plan(assets_directory() / "plans" / f"{robot}.npz")
 
 
 @cache
@@ -73,6 +81,12 @@ def mujoco_model(robot: str) -> mujoco.MjModel:
     return build_scene(load_robot(robot), ground, Disturbance(), 1e-3).model
 
 
+def depth_first(robot: str) -> list[str]:
+    """Joints as MuJoCo has them."""
+    model = mujoco_model(robot)
+    return [model.joint(i + 1).name for i in range(12)]
+
+
 def replayed(robot, joints, qpos, qvel, bodies):
     """What MuJoCo makes of states whose joints are in the order `joints`.
 
@@ -112,3 +126,21 @@ def replayed(robot, joints, qpos, qvel, bodies):
 def same_attitude(a, b, atol):
     """Quaternions (..., 4), whatever their signs."""
     np.testing.assert_allclose(np.abs(np.sum(a * b, axis=-1)), 1.0, atol=atol)
+
+
+def check_frames(robot, fps, position, quat, joints, names):
+    """Frames hold the simulator's own states: base (m, w first) and joints in the order `names`."""
+    rollout = simulated(robot)
+    at = ticks(rollout, fps)
+    qpos, here = rollout.qpos[at], slice(0, len(at))
+    np.testing.assert_allclose(position[here], qpos[:, :3], atol=1e-6)
+    same_attitude(quat[here], qpos[:, 3:7], atol=1e-6)
+    wanted = by_name(rollout.joint_names, names, qpos[:, 7:])
+    np.testing.assert_allclose(joints[here], wanted, atol=1e-6)
+
+
+def read_table(path: Path) -> dict[str, np.ndarray]:
+    """Columns of a CSV file by their names in its header."""
+    with path.open(newline="") as file:
+        header, *rows = csv.reader(file)
+    return dict(zip(header, np.array(rows, dtype=np.float64).T, strict=True))

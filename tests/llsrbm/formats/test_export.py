@@ -1,6 +1,5 @@
 """Exports, read back with readers that know nothing of this project."""
 
-import csv
 import re
 from dataclasses import replace
 
@@ -9,6 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.formats import export
+from tests.llsrbm.formats.jumps import read_table
 from tests.llsrbm.synthetic import FLIGHT, JOINT_NAMES, synthetic_plan
 
 
@@ -24,9 +24,7 @@ def plan():
 def table(plan, tmp_path_factory):
     path = tmp_path_factory.mktemp("csv") / "motion.csv"
     export(plan, path, format="csv")
-    with path.open(newline="") as file:
-        header, *rows = csv.reader(file)
-    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
+    return read_table(path)
 
 
 def columns(table, name, axes="xyz"):

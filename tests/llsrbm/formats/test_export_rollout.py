@@ -1,6 +1,5 @@
 """Exports of a rollout, read back with readers that know nothing of this project."""
 
-import csv
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.formats import export
+from tests.llsrbm.formats.jumps import read_table
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import RATE, synthetic_rollout
 
@@ -20,24 +20,18 @@ def rollout():
     return synthetic_rollout()
 
 
-def read(path):
-    with path.open(newline="") as file:
-        header, *rows = csv.reader(file)
-    return dict(zip(header, np.array(rows, dtype=float).T, strict=True))
-
-
 @pytest.fixture(scope="module")
 def table(rollout, tmp_path_factory):
     path = tmp_path_factory.mktemp("csv") / "rollout.csv"
     export(rollout, path, format="csv")
-    return read(path)
+    return read_table(path)
 
 
 @pytest.fixture(scope="module")
 def ticks(rollout, tmp_path_factory):
     path = tmp_path_factory.mktemp("csv") / "ticks.csv"
     export(rollout, path, format="csv", fps=RATE)
-    return read(path)
+    return read_table(path)
 
 
 def columns(table, name, unit, axes="xyz"):
@@ -53,7 +47,7 @@ def test_every_column_has_a_unit_and_time_is_first(table):
 
 def test_what_plans_have_too_is_called_the_same(table, tmp_path):
     export(synthetic_plan(), tmp_path / "plan.csv", format="csv")
-    missing = set(read(tmp_path / "plan.csv")) - set(table)
+    missing = set(read_table(tmp_path / "plan.csv")) - set(table)
     of_the_model = ("com_velocity", "foot_quat", "contact_point", "leg_com")
     assert {name.split("/")[0] for name in missing} == set(of_the_model)
 
@@ -114,6 +108,6 @@ def test_angular_velocity_is_in_world_axes(rollout, tmp_path):
     qpos[:, 3:7] = quat
     qvel[:, 3:6] = [1.0, 2.0, 3.0]
     export(replace(rollout, qpos=qpos, qvel=qvel, base_quat=quat), tmp_path / "x.csv", format="csv")
-    omega = columns(read(tmp_path / "x.csv"), "angular_velocity", "rad/s")
+    omega = columns(read_table(tmp_path / "x.csv"), "angular_velocity", "rad/s")
     np.testing.assert_allclose(omega, omega[:1].repeat(len(omega), axis=0))
     np.testing.assert_allclose(omega[0], tilted.apply([1.0, 2.0, 3.0]))

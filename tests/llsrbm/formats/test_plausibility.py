@@ -12,9 +12,9 @@ import llsrbm
 from llsrbm.certificate import certify
 from llsrbm.cli import main
 from llsrbm.formats import export
-from llsrbm.installed import assets_directory
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.robots import load_robot
+from tests.llsrbm.formats.jumps import shipped
 
 FPS = 60
 W_FIRST = [6, 3, 4, 5]  # columns of the table, whose quaternions have w last
@@ -25,8 +25,7 @@ LEGS_29 = 12
 def clip(request, tmp_path_factory):
     """A robot, its table's rows and its joints: a jump that was planned."""
     path = tmp_path_factory.mktemp("clip") / "jump.csv"
-    plan = llsrbm.load(assets_directory() / "plans" / f"{request.param}.npz")
-    export(plan, path, format="unitree-csv", fps=FPS)
+    export(shipped(request.param), path, format="unitree-csv", fps=FPS)
     joints = json.loads(path.with_name("jump.csv.meta.json").read_text())["joint_order"]
     return request.param, np.loadtxt(path, delimiter=","), joints
 
@@ -77,10 +76,6 @@ def sign_flips(rows, robot):
     rows[20:40, 3:7] *= -1
 
 
-def other_order(rows, robot):
-    rows[:, 7:] = np.roll(rows[:, 7:], 1, axis=1)
-
-
 MISTAKES = {
     w_first: r"^The robot is (upside down in every frame|not upright): is w first in",
     degrees: r"^Joints are at up to \d+(\.\d+)? rad: are they in degrees\?",
@@ -109,7 +104,7 @@ def test_one_remark_names_the_mistake(clip, tmp_path, mistake):
 
 def test_joints_in_another_order(clip, tmp_path):
     rows = clip[1].copy()
-    other_order(rows, load_robot(clip[0]))
+    rows[:, 7:] = np.roll(rows[:, 7:], 1, axis=1)
     said = opened(clip, tmp_path, rows).remarks
     if clip[0] == "go2":  # the stops of others are wide, or their joints near zero
         assert any("are the joints in another order?" in each for each in said)
@@ -122,8 +117,7 @@ def test_a_rate_that_is_absurd(clip, tmp_path, fps, said):
 
 @pytest.mark.parametrize("key", ["joint_vel", "body_lin_vel_w", "body_ang_vel_w"])
 def test_velocities_that_are_no_derivative(tmp_path, key):
-    plan = llsrbm.load(assets_directory() / "plans" / "go2.npz")
-    export(plan, tmp_path / "x.npz", format="motion-npz", fps=100)
+    export(shipped("go2"), tmp_path / "x.npz", format="motion-npz", fps=100)
     assert llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks == ()
     arrays = dict(np.load(tmp_path / "x.npz"))
     arrays[key] = np.degrees(arrays[key])
@@ -133,14 +127,12 @@ def test_velocities_that_are_no_derivative(tmp_path, key):
 
 
 def test_w_last_where_w_comes_first(tmp_path):
-    plan = llsrbm.load(assets_directory() / "plans" / "go2.npz")
-    export(plan, tmp_path / "x.npz", format="motion-npz")
+    export(shipped("go2"), tmp_path / "x.npz", format="motion-npz")
     arrays = dict(np.load(tmp_path / "x.npz"))
     arrays["body_quat_w"] = arrays["body_quat_w"][..., [1, 2, 3, 0]]
     np.savez(tmp_path / "x.npz", **arrays)
-    assert (
-        "is w last in its quaternions?" in llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks[0]
-    )
+    first, *_ = llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks
+    assert "is w last in its quaternions?" in first
 
 
 def test_commands_print_them(clip, tmp_path, capfd):
@@ -163,8 +155,7 @@ class TestG1:
     @pytest.fixture
     def whole(self, tmp_path_factory):
         path = tmp_path_factory.mktemp("g1") / "jump.csv"
-        plan = llsrbm.load(assets_directory() / "plans" / "g1.npz")
-        export(plan, path, format="unitree-csv", fps=60)
+        export(shipped("g1"), path, format="unitree-csv", fps=60)
         return np.loadtxt(path, delimiter=",")
 
     # By the published lists: legs, waist yaw, then arms with or without two joints of the wrist.

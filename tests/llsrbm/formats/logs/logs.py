@@ -6,6 +6,7 @@ from functools import cache
 import pinocchio as pin
 
 import llsrbm
+from llsrbm.formats import export
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised
 from llsrbm.motion.sampling import resample
@@ -50,3 +51,12 @@ def link_poses(name, at, joints, k):
         q[model.joints[model.getJointId(joint)].idx_q] = positions[k]
     pin.framesForwardKinematics(model, data, q)
     return {link: data.oMf[i] for link, i in body_frames(name).items()}
+
+
+def written(trajectory, folder, format_):
+    """The file of an export, which is alone in its folder and not large."""
+    path = folder / f"x.{format_}"
+    export(trajectory, path, format=format_)
+    assert list(folder.iterdir()) == [path]
+    assert path.stat().st_size < 10e6
+    return path

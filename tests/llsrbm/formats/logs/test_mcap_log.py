@@ -18,11 +18,11 @@ from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.formats.logs.logs import (
     BOARD,
-    ROBOTS,
     body_frames,
     link_poses,
     rollout,
     sampled,
+    written,
 )
 from tests.llsrbm.synthetic import FLIGHT
 
@@ -59,27 +59,14 @@ class Json:
         return json.loads if encoding == "json" else None
 
 
-def written(trajectory, folder, **options):
-    path = folder / "x.mcap"
-    export(trajectory, path, format="mcap", **options)
-    assert [file.name for file in folder.iterdir()] == ["x.mcap"]
-    assert path.stat().st_size < 10e6
-    return Log(path)
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def plan(request):
-    return planned(request.param)
-
-
 @pytest.fixture(scope="module")
 def log(plan, tmp_path_factory):
-    return written(plan, tmp_path_factory.mktemp("plan"))
+    return Log(written(plan, tmp_path_factory.mktemp("plan"), "mcap"))
 
 
 @pytest.fixture(scope="module")
 def simulated(tmp_path_factory):
-    return written(rollout(), tmp_path_factory.mktemp("rollout"))
+    return Log(written(rollout(), tmp_path_factory.mktemp("rollout"), "mcap"))
 
 
 def xyz(vector):

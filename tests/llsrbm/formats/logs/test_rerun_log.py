@@ -17,7 +17,7 @@ from llsrbm.look.visuals import link_visuals
 from llsrbm.motion.sampling import events
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
-from tests.llsrbm.formats.logs.logs import BOARD, ROBOTS, link_poses, rollout, sampled
+from tests.llsrbm.formats.logs.logs import BOARD, link_poses, rollout, sampled, written
 from tests.llsrbm.synthetic import FLIGHT
 
 FLOAT = 1e-6  # poses are floats: a robot is within some metres of the origin
@@ -64,27 +64,14 @@ class Recording:
         return row
 
 
-def written(trajectory, folder, **options):
-    path = folder / "x.rrd"
-    export(trajectory, path, format="rrd", **options)
-    assert [file.name for file in folder.iterdir()] == ["x.rrd"]
-    assert path.stat().st_size < 10e6
-    return Recording(path)
-
-
-@pytest.fixture(scope="module", params=ROBOTS)
-def plan(request):
-    return planned(request.param)
-
-
 @pytest.fixture(scope="module")
 def recording(plan, tmp_path_factory):
-    return written(plan, tmp_path_factory.mktemp("plan"))
+    return Recording(written(plan, tmp_path_factory.mktemp("plan"), "rrd"))
 
 
 @pytest.fixture(scope="module")
 def simulated(tmp_path_factory):
-    return written(rollout(), tmp_path_factory.mktemp("rollout"))
+    return Recording(written(rollout(), tmp_path_factory.mktemp("rollout"), "rrd"))
 
 
 def check_links(recording, top, trajectory):

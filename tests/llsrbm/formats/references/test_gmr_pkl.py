@@ -9,13 +9,12 @@ import pytest
 
 from llsrbm.formats import export
 from tests.llsrbm.formats.jumps import (
-    by_name,
+    check_frames,
+    depth_first,
     mujoco_model,
     planned,
     replayed,
-    same_attitude,
     simulated,
-    ticks,
 )
 
 FPS = 50
@@ -60,16 +59,8 @@ def test_it_names_nothing_that_only_numpy_2_has(path):
 
 
 def test_frames_are_the_simulators(name, content):
-    rollout = simulated(name)
-    at = ticks(rollout, FPS)
-    qpos, here = rollout.qpos[at], slice(0, len(at))
-    np.testing.assert_allclose(content["root_pos"][here], qpos[:, :3], atol=1e-6)
-    # As the loader turns them for MuJoCo.
-    same_attitude(content["root_rot"][here][:, [3, 0, 1, 2]], qpos[:, 3:7], atol=1e-6)
-    model = mujoco_model(name)
-    joints = [model.joint(i + 1).name for i in range(12)]
-    wanted = by_name(rollout.joint_names, joints, qpos[:, 7:])
-    np.testing.assert_allclose(content["dof_pos"][here], wanted, atol=1e-6)
+    quat = content["root_rot"][:, [3, 0, 1, 2]]  # as the loader turns them for MuJoCo
+    check_frames(name, FPS, content["root_pos"], quat, content["dof_pos"], depth_first(name))
 
 
 def test_bodies_are_seen_from_the_root(name, content):
@@ -77,10 +68,9 @@ def test_bodies_are_seen_from_the_root(name, content):
     model = mujoco_model(name)
     bodies = [model.body(i + 1).name for i in range(13)]
     assert content["link_body_list"] == bodies
-    joints = [model.joint(i + 1).name for i in range(12)]
-    qpos = np.hstack([np.tile([0.0, 0, 0, 1, 0, 0, 0], (len(content["dof_pos"]), 1))])
-    qpos = np.hstack([qpos, content["dof_pos"]])
-    position, *_ = replayed(name, joints, qpos, np.zeros((len(qpos), 18)), bodies)
+    at_rest = np.tile([0.0, 0, 0, 1, 0, 0, 0], (len(content["dof_pos"]), 1))
+    qpos = np.hstack([at_rest, content["dof_pos"]])
+    position, *_ = replayed(name, depth_first(name), qpos, np.zeros((len(qpos), 18)), bodies)
     np.testing.assert_allclose(content["local_body_pos"], position, atol=1e-6)
 
 

@@ -11,13 +11,7 @@ import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.formats.trainers import exponential_map
-from tests.llsrbm.formats.jumps import (
-    by_name,
-    mujoco_model,
-    same_attitude,
-    simulated,
-    ticks,
-)
+from tests.llsrbm.formats.jumps import check_frames, depth_first, simulated
 
 FPS = 50
 
@@ -61,15 +55,8 @@ def test_it_opens_without_numpy(path):
 
 
 def test_frames_are_the_simulators(name, frames):
-    rollout = simulated(name)
-    at = ticks(rollout, FPS)
-    qpos, here = rollout.qpos[at], frames[: len(at)]
-    np.testing.assert_allclose(here[:, :3], qpos[:, :3], atol=1e-6)
-    same_attitude(quaternions(here[:, 3:6]), qpos[:, 3:7], atol=1e-6)
-    model = mujoco_model(name)
-    depth_first = [model.joint(i + 1).name for i in range(12)]
-    wanted = by_name(rollout.joint_names, depth_first, qpos[:, 7:])
-    np.testing.assert_allclose(here[:, 6:], wanted, atol=1e-6)
+    quat = quaternions(frames[:, 3:6])
+    check_frames(name, FPS, frames[:, :3], quat, frames[:, 6:], depth_first(name))
 
 
 def test_beyond_180_degrees_the_map_does_not_jump():
@@ -82,8 +69,7 @@ def test_beyond_180_degrees_the_map_does_not_jump():
 
 def test_what_stands_beside(name, path):
     told = json.loads(path.with_name(path.name + ".meta.json").read_text())
-    model = mujoco_model(name)
-    assert told["joint_order"] == [model.joint(i + 1).name for i in range(12)]
+    assert told["joint_order"] == depth_first(name)
     assert told["columns"][:6] == ["x", "y", "z", "rx", "ry", "rz"]
     assert told["request"]["robot"] == name
 

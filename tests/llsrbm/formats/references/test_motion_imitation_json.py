@@ -6,14 +6,7 @@ import numpy as np
 import pytest
 
 from llsrbm.formats import export
-from tests.llsrbm.formats.jumps import (
-    by_name,
-    mujoco_model,
-    planned,
-    same_attitude,
-    simulated,
-    ticks,
-)
+from tests.llsrbm.formats.jumps import check_frames, depth_first, planned, simulated
 
 FPS = 50
 
@@ -40,15 +33,9 @@ def test_keys(content, frames):
 
 
 def test_frames_are_the_simulators(name, content, frames):
-    rollout = simulated(name)
-    at = ticks(rollout, FPS)
-    qpos, here = rollout.qpos[at], frames[: len(at)]
-    np.testing.assert_allclose(here[:, :3], qpos[:, :3], atol=1e-6)
-    same_attitude(here[:, 3:7], qpos[:, [4, 5, 6, 3]], atol=1e-6)
-    model = mujoco_model(name)
-    assert content["JointOrder"] == [model.joint(i + 1).name for i in range(12)]
-    wanted = by_name(rollout.joint_names, content["JointOrder"], qpos[:, 7:])
-    np.testing.assert_allclose(here[:, 7:], wanted, atol=1e-6)
+    assert content["JointOrder"] == depth_first(name)
+    quat = frames[:, [6, 3, 4, 5]]
+    check_frames(name, FPS, frames[:, :3], quat, frames[:, 7:], content["JointOrder"])
 
 
 def test_60_frames_a_second_and_padding(tmp_path):

@@ -12,6 +12,7 @@ from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import (
     by_name,
+    depth_first,
     mujoco_model,
     planned,
     replayed,
@@ -54,9 +55,8 @@ def test_depth_first_bodies_and_joints_stand_where_mujoco_has_them(name, files):
     """mjlab takes them by their places."""
     data, model = loaded(files["depth-first"]), mujoco_model(name)
     assert data["order"] == "depth-first"
-    bodies = [model.body(i + 1).name for i in range(13)]
-    assert data["body_names"].tolist() == bodies
-    assert data["joint_names"].tolist() == [model.joint(i + 1).name for i in range(12)]
+    assert data["body_names"].tolist() == [model.body(i + 1).name for i in range(13)]
+    assert data["joint_names"].tolist() == depth_first(name)
 
 
 def test_breadth_first_joints_go_level_by_level(name, files):

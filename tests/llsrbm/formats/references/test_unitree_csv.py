@@ -11,7 +11,7 @@ from llsrbm.errors import FileFormatError
 from llsrbm.formats import export
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.jumps import by_name, planned, same_attitude, simulated, ticks
+from tests.llsrbm.formats.jumps import check_frames, planned, same_attitude, simulated
 
 
 @pytest.fixture(scope="module")
@@ -39,15 +39,9 @@ def beside(path: Path) -> Path:
 
 
 def test_rows_are_the_simulators_states(name, rows):
-    rollout = simulated(name)
-    at = ticks(rollout, 50)
-    qpos, here = rollout.qpos[at], rows[: len(at)]
     assert rows.shape[1] == 7 + 12
-    np.testing.assert_allclose(here[:, :3], qpos[:, :3], atol=1e-6)
-    same_attitude(here[:, 3:7], qpos[:, [4, 5, 6, 3]], atol=1e-6)
-    robot = load_robot(name)
-    wanted = by_name(rollout.joint_names, robot.joint_names, qpos[:, 7:])
-    np.testing.assert_allclose(here[:, 7:], wanted, atol=1e-6)
+    joints = load_robot(name).joint_names
+    check_frames(name, 50, rows[:, :3], rows[:, [6, 3, 4, 5]], rows[:, 7:], joints)
 
 
 def test_what_stands_beside(name, file):

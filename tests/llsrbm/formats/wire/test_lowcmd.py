@@ -9,17 +9,9 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.installed import assets_directory
-from llsrbm.motion.plan import load_plan
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.jumps import planned, simulated
-from tests.llsrbm.formats.wire.jumps import (
-    beside,
-    jump,
-    rate_of,
-    read_table,
-    torques_of,
-)
+from tests.llsrbm.formats.jumps import planned, read_table, shipped, simulated
+from tests.llsrbm.formats.wire.jumps import beside, check_joint, jump, rate_of
 
 # As published: a motor's command in the messages of both families, and who has which number.
 MOTOR = np.dtype([("q", "<f4"), ("dq", "<f4"), ("tau", "<f4"), ("kp", "<f4"), ("kd", "<f4")])
@@ -63,24 +55,10 @@ def sent(kind, tmp_path_factory):
 
 def test_motors_get_what_their_joints_do(kind, sent):
     time, commands = sent
-    trajectory = jump("go2", kind)
     assert commands.shape[1] == 20
     for number, joint in enumerate(GO2):
-        column = trajectory.joint_names.index(joint)
-        if kind == "rollout":
-            ticks = np.arange(0, len(trajectory.time), 2)
-            here = commands[: len(ticks), number]
-            np.testing.assert_allclose(
-                here["q"], trajectory.joint_position[ticks, column], atol=1e-6
-            )
-            np.testing.assert_allclose(
-                here["dq"], trajectory.joint_velocity[ticks, column], atol=1e-5
-            )
-        ends = trajectory.joint_position[[0, -1], column]
-        np.testing.assert_allclose(commands["q"][[0, -1], number], ends, atol=1e-6)
-        inside = time < trajectory.time[-1] - trajectory.time[0]
-        wanted = torques_of(trajectory, joint, time[inside])
-        np.testing.assert_allclose(commands["tau"][inside, number], wanted, atol=1e-4)
+        q, dq, tau = (commands[part][:, number] for part in ("q", "dq", "tau"))
+        check_joint("go2", kind, joint, time, q, dq, tau)
     np.testing.assert_array_equal(commands["kp"][:, :12], 60)
     np.testing.assert_array_equal(commands["kd"][:, :12], 3)
     assert not commands[:, 12:].view("<f4").any()  # left idle
@@ -126,7 +104,7 @@ def test_what_stands_beside(tmp_path):
 
 
 def test_g1s_held_joints_stay(tmp_path):
-    plan = load_plan(assets_directory() / "plans" / "g1.npz")
+    plan = shipped("g1")
     export(plan, tmp_path / "x.csv", format="lowcmd", fps=100)
     _, commands = messages(tmp_path / "x.csv", 35)
     held = load_robot("g1").file.urdf.held
@@ -167,7 +145,7 @@ def checksum(message):
     [("go2", GO, 9, 9, GO2), ("g1", HG, 2, 7, G1)],
 )
 def test_packed_messages_hold_the_table(tmp_path, robot, form, head, each, motors):
-    plan = load_plan(assets_directory() / "plans" / f"{robot}.npz")
+    plan = shipped(robot)
     export(plan, tmp_path / "x.csv", format="lowcmd", fps=20, packed=True)
     time, commands = messages(tmp_path / "x.csv", len(motors))
     packed = (tmp_path / "x.csv.messages").read_bytes()
@@ -194,11 +172,7 @@ def test_packed_messages_hold_the_table(tmp_path, robot, form, head, each, motor
 )
 def test_robots_of_others(tmp_path, robot, message):
     with pytest.raises(InputError, match=message):
-        export(
-            load_plan(assets_directory() / "plans" / f"{robot}.npz"),
-            tmp_path / "x.csv",
-            format="lowcmd",
-        )
+        export(shipped(robot), tmp_path / "x.csv", format="lowcmd")
     assert not list(tmp_path.iterdir())
 
 

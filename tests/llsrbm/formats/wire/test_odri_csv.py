@@ -5,14 +5,8 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from tests.llsrbm.formats.jumps import planned
-from tests.llsrbm.formats.wire.jumps import (
-    beside,
-    jump,
-    rate_of,
-    read_table,
-    torques_of,
-)
+from tests.llsrbm.formats.jumps import planned, read_table
+from tests.llsrbm.formats.wire.jumps import beside, check_joint, jump, rate_of
 
 # Of its published configuration of Solo12.
 JOINTS = [f"{leg}_{part}" for leg in ("FL", "FR", "HL", "HR") for part in ("HAA", "HFE", "KFE")]
@@ -37,19 +31,9 @@ def calls(path):
 
 def test_joints_get_what_they_do(kind, path):
     time, given = calls(path)
-    trajectory = jump("solo12", kind)
     for number, joint in enumerate(JOINTS):
-        column = trajectory.joint_names.index(joint)
-        if kind == "rollout":
-            ticks = np.arange(0, len(trajectory.time), 2)
-            q, dq = (given[call][: len(ticks), number] for call in ("position", "velocity"))
-            np.testing.assert_allclose(q, trajectory.joint_position[ticks, column], atol=1e-6)
-            np.testing.assert_allclose(dq, trajectory.joint_velocity[ticks, column], atol=1e-5)
-        ends = trajectory.joint_position[[0, -1], column]
-        np.testing.assert_allclose(given["position"][[0, -1], number], ends, atol=1e-6)
-        inside = time < trajectory.time[-1] - trajectory.time[0]
-        wanted = torques_of(trajectory, joint, time[inside])
-        np.testing.assert_allclose(given["torque"][inside, number], wanted, atol=1e-5)
+        q, dq, tau = (given[call][:, number] for call in ("position", "velocity", "torque"))
+        check_joint("solo12", kind, joint, time, q, dq, tau, torque_tolerance=1e-5)
     np.testing.assert_array_equal(given["kp"], 5)
     np.testing.assert_array_equal(given["kd"], 0.1)
 

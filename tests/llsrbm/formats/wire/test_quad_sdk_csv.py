@@ -2,14 +2,12 @@
 
 import re
 
-import numpy as np
 import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.formats import export
-from llsrbm.installed import assets_directory
-from llsrbm.motion.plan import load_plan
-from tests.llsrbm.formats.wire.jumps import jump, rate_of, read_table, torques_of
+from tests.llsrbm.formats.jumps import read_table, shipped
+from tests.llsrbm.formats.wire.jumps import check_joint, jump, rate_of
 
 # quad_msgs: LegCommandArray has FL, BL, FR, BR; LegCommand abduction, hip, knee; MotorCommand
 # these fields.
@@ -38,30 +36,19 @@ def message(path):
 
 def test_motors_get_what_their_joints_do(kind, path):
     time, legs = message(path)
-    trajectory = jump("go2", kind)
     assert sorted(legs) == [0, 1, 2, 3]
     for number, leg in enumerate(LEGS):
         assert sorted(legs[number]) == [0, 1, 2]
         for motor, part in enumerate(("hip", "thigh", "calf")):
-            joint, given = f"{leg}_{part}_joint", legs[number][motor]
+            given = legs[number][motor]
             assert set(given) == FIELDS
-            column = trajectory.joint_names.index(joint)
-            if kind == "rollout":
-                ticks = np.arange(0, len(trajectory.time), 2)
-                q, dq = (given[name][: len(ticks)] for name in ("pos_setpoint", "vel_setpoint"))
-                np.testing.assert_allclose(q, trajectory.joint_position[ticks, column], atol=1e-6)
-                np.testing.assert_allclose(dq, trajectory.joint_velocity[ticks, column], atol=1e-5)
-            ends = trajectory.joint_position[[0, -1], column]
-            np.testing.assert_allclose(given["pos_setpoint"][[0, -1]], ends, atol=1e-6)
-            inside = time < trajectory.time[-1] - trajectory.time[0]
-            wanted = torques_of(trajectory, joint, time[inside])
-            np.testing.assert_allclose(given["torque_ff"][inside], wanted, atol=1e-4)
+            q, dq, tau = (given[name] for name in ("pos_setpoint", "vel_setpoint", "torque_ff"))
+            check_joint("go2", kind, f"{leg}_{part}_joint", time, q, dq, tau)
             assert set(given["kp"]) == {60}
             assert set(given["kd"]) == {3}
 
 
 def test_a_biped_has_no_such_legs(tmp_path):
-    plan = load_plan(assets_directory() / "plans" / "g1.npz")
     with pytest.raises(InputError, match="g1 is no quadruped; expected one with a leg of 3 joints"):
-        export(plan, tmp_path / "x.csv", format="quad-sdk-csv")
+        export(shipped("g1"), tmp_path / "x.csv", format="quad-sdk-csv")
     assert not list(tmp_path.iterdir())

@@ -9,10 +9,8 @@ import yaml
 from scipy.spatial.transform import Rotation
 
 from llsrbm.formats import FORMATS, export
-from llsrbm.installed import assets_directory
-from llsrbm.motion.plan import load_plan
 from llsrbm.robots import load_robot
-from tests.llsrbm.formats.jumps import same_attitude, simulated
+from tests.llsrbm.formats.jumps import same_attitude, shipped, simulated
 from tests.llsrbm.formats.wire.jumps import jump, rate_of, torques_of
 
 highlevel = pytest.importorskip("rosbags.highlevel")
@@ -189,12 +187,7 @@ def test_contacts_change_where_the_plan_says(kind, topics):
 
 
 def test_held_joints_stand_among_the_others(tmp_path):
-    export(
-        load_plan(assets_directory() / "plans" / "g1.npz"),
-        tmp_path / "g1",
-        format="ros2-bag",
-        fps=20,
-    )
+    export(shipped("g1"), tmp_path / "g1", format="ros2-bag", fps=20)
     topics = read(tmp_path / "g1")
     held = load_robot("g1").file.urdf.held
     for _, message in topics["/joint_states"]:
@@ -209,7 +202,7 @@ def test_held_joints_stand_among_the_others(tmp_path):
 def test_a_folder_of_any_name(folder, tmp_path):
     """SQLite, and so rosbags, opens no file in it; that is why the bag's own has a name of ours."""
     odd = tmp_path / "50 % of a jump?"
-    export(load_plan(assets_directory() / "plans" / "go2.npz"), odd, format="ros2-bag", fps=20)
+    export(shipped("go2"), odd, format="ros2-bag", fps=20)
     shutil.copytree(odd, tmp_path / "plain")
     assert set(read(tmp_path / "plain")) == set(TYPES)
 
