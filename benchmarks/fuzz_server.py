@@ -198,12 +198,12 @@ class Witness:
         self.tab.set("Twist [deg]", twist)
 
         def planned():
-            plan = self.session.plan
+            plan = self.session.state.plan
             return plan is not None and math.isclose(plan.jump.twist, math.radians(twist))
 
         self.tab.wait(planned, f"a plan of {twist} deg by witness {self.number}", timeout=60)
         time.sleep(0.3)
-        jump = self.session.plan.jump
+        jump = self.session.state.plan.jump
         if not math.isclose(jump.twist, math.radians(twist)) or jump.robot != "anymal":
             raise AssertionError(f"witness {self.number}: {jump} instead of {twist} deg")
         if self.tab.closed.is_set():

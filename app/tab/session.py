@@ -39,9 +39,6 @@ from app.viser_private import run_javascript
 from app.workers.opened_file import uploaded_design
 from app.workers.pool import WorkerPool
 from llsrbm.errors import InputError
-from llsrbm.motion.plan import Plan
-from llsrbm.motion.rollout import Rollout
-from llsrbm.request.design import Design
 from llsrbm.robots import RobotFile
 
 # Until a tab begins without its page's scripts, which answer when they are shown, s.
@@ -83,21 +80,6 @@ class Session:
         self.state = first_state(robots, initial.note)
         self._outside: Outside | None = None
         self._rendering: Rendering | None = None
-
-    @property
-    def design(self) -> Design:
-        """The design that is asked for."""
-        return self.state.design
-
-    @property
-    def plan(self) -> Plan | None:
-        """The plan that is shown."""
-        return self.state.plan
-
-    @property
-    def rollout(self) -> Rollout | None:
-        """The simulation that is shown."""
-        return self.state.rollout
 
     @property
     def left(self) -> TabState | None:

@@ -55,12 +55,6 @@ class Tabs:
         with self._lock:
             return tuple(self._sessions.values())
 
-    @property
-    def kept(self) -> int:
-        """Number of states that are kept."""
-        with self._lock:
-            return len(self._kept)
-
     async def connect(self, client: viser.ClientHandle) -> None:
         """Begin a session."""
         session = Session(

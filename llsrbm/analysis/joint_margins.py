@@ -38,16 +38,6 @@ class JointMargins:
     def __getitem__(self, joint: str) -> JointMargin:
         return next(margin for margin in self.joints if margin.joint == joint)
 
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed of any joint that turns, rad/s."""
-        return max((m.peak_speed for m in self.joints if m.unit == "rad"), default=0.0)
-
-    @property
-    def satisfied(self) -> bool:
-        """True if every joint keeps within its limits."""
-        return all(m.position_margin >= 0 and m.speed_margin >= 0 for m in self.joints)
-
     def worst(self) -> str:
         """One sentence on the joints that come closest to their limits."""
         fast = max(self.joints, key=lambda m: m.peak_speed / (m.peak_speed + m.speed_margin))

@@ -106,16 +106,6 @@ class Map:
             return ()
         return tuple(int(value) for value in np.unique(self.value[np.isfinite(self.value)]))
 
-    def nearest(self, x: float, y: float) -> int:
-        """Place in `jumps` of the jump nearest to a point, SI, measured in the axes' lengths."""
-        rows, columns = np.nonzero(self.jump >= 0)
-        away = np.hypot(
-            (self.x.centres[columns] - x) / np.ptp(self.x.edges),
-            (self.y.centres[rows] - y) / np.ptp(self.y.edges),
-        )
-        best = int(away.argmin())
-        return int(self.jump[rows[best], columns[best]])
-
 
 def map_of(
     jumps: Jumps,

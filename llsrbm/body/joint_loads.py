@@ -23,7 +23,6 @@ import numpy as np
 from llsrbm.arrays import Array, BoolArray, IntArray
 from llsrbm.body.efforts import inverse_dynamics
 from llsrbm.body.knot_motion import KnotMotion, States, arm_rates, states
-from llsrbm.body.peak_loads import PeakLoad, peak_load
 from llsrbm.body.postures import Postures, joint_speeds, solve_postures
 from llsrbm.mechanics import GRAVITY, apply, cross, rotation_matrices, skew
 from llsrbm.request.schedule import Schedule
@@ -43,9 +42,8 @@ class JointLoads:
     schedule: Schedule  # which feet stand in a phase
     phase: IntArray  # (N,) of the schedule
     joint_names: tuple[str, ...]  # (J,)
-    joint_position: Array  # (N, J) rad or m, and per s, per s2
-    joint_velocity: Array  # (N, J) rad or m, and per s, per s2
-    joint_acceleration: Array  # (N, J) rad or m, and per s, per s2
+    joint_position: Array  # (N, J) rad or m
+    joint_velocity: Array  # (N, J) rad/s or m/s
     joint_torque: Array  # (N, J) Nm or N
     # (N, J) Nm or N, what the drives can give at that speed in the direction of the torque
     # (`llsrbm.robots.drives.torques`).
@@ -69,11 +67,6 @@ class JointLoads:
         """(N, L) whether a foot stands over an interval."""
         return self.schedule.stands[self.phase]
 
-    @property
-    def power(self) -> Array:
-        """(N, J) W that the drives give to the joints; negative when they brake."""
-        return self.joint_torque * self.joint_velocity
-
     def at_knots(self) -> dict[str, Any]:
         """Arrays of a plan at its N + 1 knots; empty where numbers are not finite.
 
@@ -86,17 +79,6 @@ class JointLoads:
             "joint_torque_limit": np.vstack([self.torque_available, self.standing_limit]),
         }
         return arrays if all(np.isfinite(a).all() for a in arrays.values()) else {}
-
-    def worst(self) -> PeakLoad:
-        """The largest share of the available torque."""
-        return peak_load(
-            self.joint_names,
-            self.knot_time,
-            self.phase,
-            self.schedule,
-            self.joint_torque,
-            self.torque_available,
-        )
 
 
 def joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
@@ -147,7 +129,6 @@ def _joint_loads(robot: Robot, motion: KnotMotion) -> JointLoads:
         joint_names=robot.joint_names,
         joint_position=position,
         joint_velocity=velocity,
-        joint_acceleration=acceleration,
         joint_torque=torque,
         torque_available=torque_in_direction(robot, velocity, torque),
         base_residual=effort[:, :_BASE],

@@ -73,11 +73,6 @@ class ShownMotion:
         return self.mass * GRAVITY
 
     @property
-    def flight(self) -> BoolArray:
-        """(F,) whether no foot is to stand."""
-        return np.asarray(~self.stands.any(axis=1))
-
-    @property
     def end(self) -> float:
         """Time of the last instant, s."""
         return float(self.time[-1])

@@ -26,8 +26,6 @@ class FittedLeg(LegDrives):
             "knee" m, of legs that have one.
     """
 
-    exact = False
-
     def __init__(
         self, angles: Array, jacobian: Array, knee: Array | None, residuals: dict[str, float]
     ) -> None:

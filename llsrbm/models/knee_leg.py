@@ -34,7 +34,6 @@ class KneeLeg(LegDrives):
     """
 
     joints = 3
-    exact = True
 
     def __init__(self, **constants: Any) -> None:
         self._c = constants

@@ -25,7 +25,6 @@ class LegDrives(ABC):
     """Joint rates and torques of one leg of n joints, from the base outwards."""
 
     joints: int  # n
-    exact: bool  # whether the expressions are closed forms, not fits
 
     @abstractmethod
     def angles(self, x: Matrix) -> Matrix:

@@ -238,8 +238,8 @@ def _with_arrays(value, buffers):
 
 def planned(tab, session, condition, what):
     """The plan that a tab shows, when it is of such a jump."""
-    tab.wait(lambda: session.plan is not None and condition(session.plan.jump), what)
-    return session.plan
+    tab.wait(lambda: session.state.plan is not None and condition(session.state.plan.jump), what)
+    return session.state.plan
 
 
 def choose(tab, session, robot):

@@ -122,7 +122,9 @@ def _open_example(page, session):
         TabOpened(design, plan, None, ()),
     ):
         session._inbox.put(event)
-    wait_until(lambda: session.plan is plan and session.rollout is None, "the example's plan")
+    wait_until(
+        lambda: session.state.plan is plan and session.state.rollout is None, "the example's plan"
+    )
     status(page, "Feasible")
     page.wait_for_function(
         "([robot, twist, end]) => { const { request, end: last } = llsrbm.player.clip;"

@@ -52,7 +52,7 @@ def test_a_pinned_design_stays_as_a_second_robot_beside_the_next_one(page):
     press(page, "Pin")
     wait_until(lambda: pose(page, "/pinned/1/base"), "the ghost")
     fill(page, "Forward [m]", 0.4)
-    wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
+    wait_until(lambda: page.session.state.plan.jump.forward == 0.4, "the next plan")
     status(page, "Feasible")
     both = "n => llsrbm.player.clip.channels.some(s => s.tracks.some(t => t.nodes.includes(n)))"
     wait_until(lambda: page.evaluate(both, "/pinned/1/base"), "a clip with both")
@@ -95,10 +95,10 @@ def test_the_whole_bodys_plan_follows_unless_it_is_switched_off(page):
     box.uncheck()
     fill(page, "Forward [m]", 0.2)
     assert "in knots only" in status(page, "Draft as")
-    assert not page.session.plan.refined
+    assert not page.session.state.plan.refined
     box.check()
     status(page, "Feasible")
-    assert page.session.plan.refined
+    assert page.session.state.plan.refined
     box.uncheck()
     status(page, "Draft as")
 

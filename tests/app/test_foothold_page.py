@@ -38,7 +38,7 @@ def test_a_foot_is_dragged_typed_and_cleared(page):
     (stone,) = stones(page)
     assert stone.leg == "LF"
     assert (stone.dx, stone.dy) == pytest.approx((0.04, 0.03), abs=2e-3)
-    wait_until(lambda: page.session.plan.jump.stones == (stone,), "its plan")
+    wait_until(lambda: page.session.state.plan.jump.stones == (stone,), "its plan")
     there = square(page)[0]
     assert there == pytest.approx(end, abs=3)
 

@@ -48,16 +48,16 @@ def test_a_newcomer_plans_simulates_pushes_saves_and_looks_into_the_examples(pag
     assert first.inner_text().startswith(gallery.cards()[0]["title"])
     page.wait_for_function("document.querySelector('#llsrbm-tour img').naturalWidth === 192")
     newcomer, session = Newcomer(page), page.session
-    before = session.design.jump.twist
+    before = session.state.design.jump.twist
     newcomer.click_beside("Twist [deg]", -30)
-    wait_until(lambda: session.plan.jump.twist < before, "the next plan")
+    wait_until(lambda: session.state.plan.jump.twist < before, "the next plan")
     newcomer.click("button", "Simulate")
     status(page, "Landed")
     newcomer.click("button", "Scenario")
     newcomer.click("checkbox", "Push")
-    wait_until(lambda: session.design.scenario.pushes, "the push")
+    wait_until(lambda: session.state.design.scenario.pushes, "the push")
     newcomer.click("button", "Simulate")
-    wait_until(lambda: session.rollout and session.rollout.pushes, "the pushed robot")
+    wait_until(lambda: session.state.rollout and session.state.rollout.pushes, "the pushed robot")
     with page.expect_download() as download:
         newcomer.click("button", "Export")
     assert download.value.suggested_filename.endswith(".npz")
@@ -75,7 +75,7 @@ def test_a_newcomer_plans_simulates_pushes_saves_and_looks_into_the_examples(pag
     )
     cards.filter(has_text="ANYmal onto a board").click()
     shown.wait_for(state="hidden")
-    wait_until(lambda: session.design.scenario.board == 0.025, "the example")
+    wait_until(lambda: session.state.design.scenario.board == 0.025, "the example")
     # It was closed, and does not come again.
     page.evaluate("llsrbm.tour.offer()")
     assert not welcome.is_visible()

@@ -100,7 +100,7 @@ def test_a_slider_shows_a_new_plan(page):
     fill(page, "Twist [deg]", 0)
     fill(page, "Forward [m]", 0.5)
     session = page.session
-    wait_until(lambda: session.plan.jump.forward == 0.5, "the plan")
+    wait_until(lambda: session.state.plan.jump.forward == 0.5, "the plan")
     status(page, "Feasible")
     # The camera looks along +y from the right: forward is to the right in the picture.
     wait_until(lambda: marks_beside_the_robot(page) > before + 60, "the marks there")
@@ -137,9 +137,9 @@ def test_with_the_real_planner(browser, tmp_path):
         )
         fill(page, "Twist [deg]", 45)
         fill(page, "Forward [m]", 0.3)
-        wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")
+        wait_until(lambda: session.state.plan.jump.forward == 0.3, "the plan")
         status(page, "Feasible")
-        plan = session.plan
+        plan = session.state.plan
         assert plan.solved
         assert plan.com[-1, :2] == pytest.approx([0.3, 0.0], abs=0.02)
         with page.expect_download() as download:
@@ -148,7 +148,7 @@ def test_with_the_real_planner(browser, tmp_path):
         assert llsrbm.load(tmp_path / "plan.npz").com.tolist() == plan.com.tolist()
         press(page, "Simulate")
         status(page, "Landed", timeout=60_000)
-        assert session.rollout.com[-1, :2] == pytest.approx(plan.com[-1, :2], abs=0.05)
+        assert session.state.rollout.com[-1, :2] == pytest.approx(plan.com[-1, :2], abs=0.05)
         assert page.faults == []
         page.context.close()
     finally:

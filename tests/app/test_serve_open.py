@@ -45,10 +45,10 @@ def test_every_tab_begins_with_the_simulation(served, tmp_path):
             tab.wait_for_status("Landed from file run.npz")
             assert tab.value("Robot") == read_robot_file(robot_files()["go2"]).title
             session = designer.sessions[-1]
-            assert session.plan.jump == JUMP
+            assert session.state.plan.jump == JUMP
             tab.set("Twist [deg]", 10)
             tab.wait_for_status("Feasible")
-            assert session.rollout is None
+            assert session.state.rollout is None
 
 
 def test_a_design_is_planned(served):
@@ -65,7 +65,7 @@ def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
     with RawTab(designer.port) as tab:
         tab.wait_for_status("Feasible")
         tab.wait(lambda: any(name.startswith("/pinned/1/") for name in tab.nodes), "a ghost")
-        assert designer.sessions[-1].plan.jump.robot == "go2"
+        assert designer.sessions[-1].state.plan.jump.robot == "go2"
 
 
 @pytest.mark.parametrize(

@@ -35,10 +35,6 @@ class Flight(NamedTuple):
         ends = self.before, self.after
         return sum(sqrt(2 * max(apex - end, 0.0) / GRAVITY) for end in ends)
 
-    def beyond(self, limits: tuple[float, float]) -> float:
-        """How far (m) its apex is out of its limits."""
-        return max(limits[0] - self.apex, self.apex - limits[1], 0.0)
-
 
 def limits_apex(limits: Mapping[str, float] | None) -> bool:
     """Whether limits of a request say how high it flies."""

@@ -223,7 +223,7 @@ def test_the_timeline_zooms(page):
 
 
 def test_phases_and_marks_are_where_they_happen(page):
-    plan = page.session.plan
+    plan = page.session.state.plan
     bar = page.locator("#llsrbm-transport")
     track = page.get_by_role("group", name="Timeline").bounding_box()
 

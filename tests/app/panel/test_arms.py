@@ -30,7 +30,7 @@ def test_it_is_there_for_robots_with_arms(tab, session):
 
 
 def test_it_plans_and_is_undone(tab, session):
-    before = session.plan.jump
+    before = session.state.plan.jump
     assert hold(tab, session) != before
     tab.press("Undo")
     planned(tab, session, lambda jump: jump == before, "the plan before")
@@ -44,4 +44,4 @@ def test_a_file_and_a_pin_tell_of_held_arms(tab, session):
     tab.press("Save design")
     tab.wait(lambda: tab.downloads, "the file")
     ((_, content),) = tab.downloads
-    assert load_design(content).jump == session.design.jump
+    assert load_design(content).jump == session.state.design.jump

@@ -171,7 +171,7 @@ def test_what_cannot_be_undone_is_not_offered(page):
 
 
 def test_a_limit_is_changed_marked_and_put_back(page):
-    tuning = lambda: dict(page.session.design.tuning.limits)  # noqa: E731
+    tuning = lambda: dict(page.session.state.design.tuning.limits)  # noqa: E731
     unfold(page, "Limits")
     friction = page.get_by_label("friction", exact=True)
     friction.fill("0.4")
@@ -200,5 +200,5 @@ def test_beyond_its_range_a_limit_is_corrected_and_said_once(page):
     note.first.wait_for()
     wait_until(lambda: note.count() == 1, "one note")
     page.get_by_role("button", name="Reset all").click()
-    wait_until(lambda: not page.session.design.tuning, "the defaults")
+    wait_until(lambda: not page.session.state.design.tuning, "the defaults")
     wait_until(lambda: friction.input_value() == "0.5", "its default")

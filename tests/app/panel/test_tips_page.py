@@ -57,9 +57,9 @@ def test_a_number_box_keeps_its_number_and_says_what_it_accepts(page, label, oth
 def test_keys_undo_what_was_changed_and_redo_it(page):
     fill(page, "Forward [m]", 0.2)
     status(page, "Feasible")
-    plan = page.session.plan
+    plan = page.session.state.plan
     page.evaluate("document.activeElement.blur()")
     page.keyboard.press("Control+z")
     wait_until(lambda: float(number(page, "Forward [m]").input_value()) == 0, "the one before")
     page.keyboard.press("Control+y")
-    wait_until(lambda: page.session.plan is plan, "the same plan, without planning")
+    wait_until(lambda: page.session.state.plan is plan, "the same plan, without planning")

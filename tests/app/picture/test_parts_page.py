@@ -21,8 +21,8 @@ def page(page):
     yield page
     page.keyboard.press("Escape")
     page.mouse.move(10, 10)
-    page.session._inbox.put(Design(page.session.design.jump))
-    wait_until(lambda: not page.session.design.scenario.pushes, "no push")
+    page.session._inbox.put(Design(page.session.state.design.jump))
+    wait_until(lambda: not page.session.state.design.scenario.pushes, "no push")
 
 
 def place(page, part):
@@ -78,8 +78,8 @@ def test_the_trunk_is_pulled_with_ctrl_and_that_is_a_push(page):
     assert page.evaluate(camera) == pytest.approx(before, abs=1e-3)
     page.mouse.up()
     page.keyboard.up("Control")
-    wait_until(lambda: page.session.rollout is not None, "the simulation")
-    (push,) = page.session.rollout.scenario.pushes
+    wait_until(lambda: page.session.state.rollout is not None, "the simulation")
+    (push,) = page.session.state.rollout.scenario.pushes
     assert push.time == pytest.approx(0.5, abs=0.01)
     assert np.linalg.norm(push.impulse) > 1
     # To the right in the picture, which is towards +x +y there, level.

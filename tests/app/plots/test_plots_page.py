@@ -79,7 +79,7 @@ def test_every_group_is_drawn_with_plan_and_simulation_with_values_and_figures(p
     assert {chart["end"] for chart in charts} == {2.5}
     values_are_written_beside_the_titles(page)
     a_chart_is_copied_for_a_paper(page)
-    layers = shown_layers(page.session.state.shown.planned, page.session.rollout)
+    layers = shown_layers(page.session.state.shown.planned, page.session.state.rollout)
     for group in (LANDING, TORQUES, "Contact forces"):
         choose(page, "Preset", group)
         headings = [chart.heading for chart in charts_of(PRESETS[group], layers)]
@@ -327,7 +327,7 @@ def test_values_are_zoomed_by_the_axis_and_stay_so(page):
     assert whole[0] < zoomed[0] < zoomed[1] < whole[1]
     # Other values do not end it.
     fill(page, "Twist [deg]", 120)
-    wait_until(lambda: page.session.plan.jump.twist > 2, "the plan")
+    wait_until(lambda: page.session.state.plan.jump.twist > 2, "the plan")
     page.wait_for_timeout(300)
     assert page.evaluate(RANGE) == pytest.approx(zoomed)
     page.mouse.down()

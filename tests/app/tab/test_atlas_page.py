@@ -78,7 +78,7 @@ def test_another_colour_is_explained_and_stays_with_another_robot(atlas):
     legend.get_by_text("none (feasible)").wait_for()
     choose(atlas, "Robot", "SLIDER")
     wait_until(
-        lambda: atlas.session.state.ready and atlas.session.design.jump.robot == "slider",
+        lambda: atlas.session.state.ready and atlas.session.state.design.jump.robot == "slider",
         "the other robot",
     )
     legend.get_by_text("present design").wait_for()

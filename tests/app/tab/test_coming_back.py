@@ -74,8 +74,8 @@ def test_a_tab_finds_everything_again(designer, lost):
         again.wait_for_status("Landed")
         again.wait(lambda: len(pinned(again)) == 1, "the pin's ghost")
         assert again.value("Forward [m]") == 0.2
-        assert session.plan is before.plan
-        assert session.rollout is before.rollout
+        assert session.state.plan is before.state.plan
+        assert session.state.rollout is before.state.rollout
         again.wait(lambda: again.page.calls("player.seek"), "its place")
         assert {"/shade/base", "/links/base"} < again.page.nodes()
         assert again.page.calls("player.seek") == [[0.9 if lost else 0.7]]
@@ -100,7 +100,7 @@ def test_each_tab_finds_its_own(designer):
     for number, forward in ((4, 0.3), (3, 0.1), (5, 0.0)):
         with opened(designer, number) as again:
             again.wait_for_status("Feasible")
-            assert session_of(designer, again).plan.jump.forward == forward
+            assert session_of(designer, again).state.plan.jump.forward == forward
 
 
 def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
@@ -113,7 +113,7 @@ def test_a_page_that_greets_late_finds_its_tab_again(designer, monkeypatch):
         again.page.known = {"tab": token(6)}
         again.page.greet()
         again.wait_for_status("Landed")
-        assert session_of(designer, again).rollout is before.rollout
+        assert session_of(designer, again).state.rollout is before.state.rollout
         assert len(pinned(again)) == 1
 
 
@@ -137,7 +137,7 @@ def test_states_are_dropped_after_their_time_and_beyond_their_number(designer, m
     for number in range(most + 5):
         session.token = token(100 + number)
         tabs._session_ended(session)
-    assert tabs.kept == most
+    assert len(tabs._kept) == most
     assert tabs._take_kept(token(104)) is None
     assert tabs._take_kept(token(105)) is not None
 
@@ -162,7 +162,7 @@ def test_tabs_that_close_at_once_leave_nothing_behind(designer):
         return [thread for thread in found if thread.name.startswith("session-")]
 
     wait_until(lambda: not left(), "the threads' end")
-    assert designer.tabs.kept <= Limits.tabs
+    assert len(designer.tabs._kept) <= Limits.tabs
     with RawTab(designer.port) as tab:
         tab.wait_for_status("Feasible")
 
@@ -216,7 +216,7 @@ def test_a_slow_page_is_sent_the_newest_clip_next(designer, tab, session, script
     script.take = taken
     script.say(kind="clip", number=sent[-1][2])
     tab.wait(lambda: len(script.calls("player.load")) == loads + 2, "the newest")
-    plan = session.plan
+    plan = session.state.plan
     end = plan.base_position[-1]
     assert script.at("/links/base", plan.duration)[0] == pytest.approx(end, abs=1e-5)
 
@@ -246,7 +246,7 @@ def test_a_page_is_back_while_its_session_loads_a_robot(designer, monkeypatch):
     with opened(designer, 40) as tab:
         tab.wait_for_status("Feasible")
         tab.set("Forward [m]", 0.3)
-        tab.wait(lambda: session_of(designer, tab).plan.jump.forward == 0.3, "its plan")
+        tab.wait(lambda: session_of(designer, tab).state.plan.jump.forward == 0.3, "its plan")
         tab.press("Pin")
         tab.wait(lambda: session_of(designer, tab).state.pins, "a pin")
         monkeypatch.setattr(LoadRobot, "do", slowly)

@@ -46,7 +46,7 @@ def plan_pin_and_simulate(page):
     tab(page, COMPARE)
     press(page, "Pin")
     fill(page, "Forward [m]", FORWARD)
-    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    wait_until(lambda: page.session.state.plan.jump.forward == FORWARD, "the plan")
     status(page, "Feasible")
     press(page, "Simulate")
     status(page, "Landed")
@@ -57,9 +57,9 @@ def plan_pin_and_simulate(page):
 def everything_is_there(page):
     session = find_session(page)
     # It is known by its token before its state is there.
-    wait_until(lambda: session.rollout is not None, "the simulation")
+    wait_until(lambda: session.state.rollout is not None, "the simulation")
     status(page, "Landed")
-    assert session.plan.jump.forward == FORWARD
+    assert session.state.plan.jump.forward == FORWARD
     assert len(session.state.pins) == 1
     wait_until(lambda: float(number(page, "Forward [m]").input_value()) == FORWARD, "the slider")
     page.wait_for_function("llsrbm.player.clip?.request.forward === 0.3")
@@ -88,7 +88,7 @@ def test_a_link_opens_its_design_with_which_the_next_visit_begins_with_its_prefe
     page, browser, designer
 ):
     fill(page, "Forward [m]", FORWARD)
-    wait_until(lambda: page.session.plan.jump.forward == FORWARD, "the plan")
+    wait_until(lambda: page.session.state.plan.jump.forward == FORWARD, "the plan")
     press(page, "Share")
     dialog = page.get_by_role("dialog", name="Share this design")
     dialog.wait_for()
@@ -116,7 +116,7 @@ def design_opened(context, designer, address):
     page.goto(address)
     shows_motion(page)
     (session,) = [each for each in designer.sessions if each not in before]
-    wait_until(lambda: session.plan.jump.forward == FORWARD, "the design of the link")
+    wait_until(lambda: session.state.plan.jump.forward == FORWARD, "the design of the link")
     assert "#" not in page.evaluate("location.href")  # a reload finds what came of it
     wait_until(
         lambda: re.search(
@@ -225,7 +225,7 @@ def test_a_browser_that_forbids_storage_works_without(browser, designer):
     shows_motion(page)
     (session,) = [each for each in designer.sessions if each not in before]
     fill(page, "Forward [m]", FORWARD)
-    wait_until(lambda: session.plan.jump.forward == FORWARD, "the plan")
+    wait_until(lambda: session.state.plan.jump.forward == FORWARD, "the plan")
     assert player(page, "playing")
     assert faults == []
     context.close()

@@ -15,7 +15,7 @@ def test_what_is_pinned_is_a_chip_over_the_picture(page):
     press(page, "Pin")
     chips.get_by_role("button", name="Side by side").wait_for()
     fill(page, "Forward [m]", 0.3)
-    wait_until(lambda: session.plan.jump.forward == 0.3, "the plan")
+    wait_until(lambda: session.state.plan.jump.forward == 0.3, "the plan")
     status(page, "Feasible")
     assert chips.locator(".name").all_inner_texts() == [
         "90° + 30 cm forward whole body", "90° whole body"
@@ -36,7 +36,7 @@ def test_what_is_pinned_is_a_chip_over_the_picture(page):
     press(page, "Side by side")
     wait_until(lambda: not session.state.beside, "the server")
     press(page, "Use 90° whole body")
-    wait_until(lambda: session.plan.jump.forward == 0, "the pinned design")
+    wait_until(lambda: session.state.plan.jump.forward == 0, "the pinned design")
     # The two have one name now, and get numbers as soon as the page hears of it.
     chips.get_by_title("Unpin").click()
     wait_until(lambda: not session.state.pins, "no pin")

@@ -41,7 +41,7 @@ def files(tmp_path_factory):
 
 def test_a_plan_is_opened_by_the_button_changed_and_simulated(page, files):
     page.locator("input[type=file]").set_input_files(files / "plan.npz")
-    wait_until(lambda: page.session.plan.jump == JUMP, "the plan")
+    wait_until(lambda: page.session.state.plan.jump == JUMP, "the plan")
     status(page, "Draft from file plan.npz")
     assert float(number(page, "Twist [deg]").input_value()) == 57
     assert float(number(page, "Forward [m]").input_value()) == 0.3
@@ -49,7 +49,7 @@ def test_a_plan_is_opened_by_the_button_changed_and_simulated(page, files):
     paused_at(page, 1.3)
     wait_until(lambda: dark(picture(page)).sum() > 3000, "the robot")
     fill(page, "Forward [m]", 0.4)
-    wait_until(lambda: page.session.plan.jump.forward == 0.4, "the next plan")
+    wait_until(lambda: page.session.state.plan.jump.forward == 0.4, "the next plan")
     status(page, "Feasible")
     press(page, "Simulate")
     status(page, "Landed")

@@ -30,11 +30,11 @@ def page(page):
 
 
 def pushes(page):
-    return page.session.design.scenario.pushes
+    return page.session.state.design.scenario.pushes
 
 
 def replans(page):
-    return page.session.design.scenario.replan
+    return page.session.state.design.scenario.replan
 
 
 def drag(page, axis, length):
@@ -55,12 +55,12 @@ def simulated(page):
     page.wait_for_timeout(PACE)
 
     def is_up_to_date():
-        rollout = page.session.rollout
-        return rollout is not None and rollout.scenario == page.session.design.scenario
+        rollout = page.session.state.rollout
+        return rollout is not None and rollout.scenario == page.session.state.design.scenario
 
     # What was simulated by itself meanwhile is not what is waited for.
     wait_until(is_up_to_date, "the simulation")
-    return page.session.rollout
+    return page.session.state.rollout
 
 
 def visible(page, node):

@@ -20,15 +20,15 @@ from tests.app.waits import wait_until
 
 
 def test_the_first_plan_comes_by_itself_and_the_page_plays_it(tab, session, script):
-    assert session.plan.jump == example("anymal")
+    assert session.state.plan.jump == example("anymal")
     assert tab.status().startswith("Feasible 1/1 checks Yaw inertia Izz, flight")
     assert "2.0e−07 N" in tab.text()
     tab.wait(lambda: script.calls("player.play") == [[]], "its motion")
-    assert script.end == pytest.approx(session.plan.duration)
+    assert script.end == pytest.approx(session.state.plan.duration)
     assert {"/com", "/links/base", "/ellipsoid/srbm/wires", "/arrows/3"} < script.nodes()
     for time_shown in (0.0, 0.65, 1.3):
         position, wxyz, _ = script.at("/links/base", time_shown)
-        plan = session.plan
+        plan = session.state.plan
         expected = [np.interp(time_shown, plan.time, axis) for axis in plan.base_position.T]
         assert position == pytest.approx(expected, abs=0.02)
         assert np.linalg.norm(wxyz) == pytest.approx(1, abs=1e-6)
@@ -64,7 +64,7 @@ def test_the_last_of_many_slider_values_wins(tab, session):
     planned(tab, session, lambda jump: jump.twist == pytest.approx(-math.pi / 2), "the last value")
     tab.wait_for_status("Feasible")
     time.sleep(0.2)
-    assert session.plan.jump.twist == pytest.approx(-math.pi / 2)
+    assert session.state.plan.jump.twist == pytest.approx(-math.pi / 2)
 
 
 def test_the_model_reaches_the_planner(tab, session):
@@ -81,7 +81,7 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
     file = load_robot("slider").file
     forward = tab.control("Forward [m]")
     assert (forward["props"]["min"], forward["props"]["max"]) == file.task.forward
-    assert session.plan.jump.model == "srbm"
+    assert session.state.plan.jump.model == "srbm"
     shown = {
         "twist": math.radians(tab.value("Twist [deg]")),
         "forward": forward["value"],
@@ -89,7 +89,7 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
     }
     for name, value in shown.items():
         assert value == pytest.approx(getattr(file.example, name), abs=0.01)
-        assert getattr(session.plan.jump, name) == pytest.approx(value)
+        assert getattr(session.state.plan.jump, name) == pytest.approx(value)
     choose(tab, session, "go2")
     assert tab.control("Board under the feet [mm]")["props"]["max"] == 40
     assert (
@@ -166,8 +166,8 @@ def test_tabs_do_not_see_each_other(designer, tab, session):
     with RawTab(designer.port) as other:
         other.wait_for_status("Feasible")
         other.set("Forward [m]", 0.5)
-        other.wait(lambda: designer.sessions[-1].plan.jump.forward == 0.5, "the other's plan")
-        assert session.plan.jump.forward == 0.0
+        other.wait(lambda: designer.sessions[-1].state.plan.jump.forward == 0.5, "the other's plan")
+        assert session.state.plan.jump.forward == 0.0
         assert tab.value("Forward [m]") == 0.0
 
 

@@ -75,15 +75,15 @@ def test_another_robots_numbers_are_told(tab, session, submitted, tmp_path):
 def test_what_was_saved_opens_as_it_was(tab, session):
     tab.press("Simulate")
     tab.wait_for_status("Landed")
-    rollout = session.rollout
+    rollout = session.state.rollout
     tab.press("Export")
     tab.wait(lambda: tab.downloads, "a download")
     tab.set("Forward [m]", 0.2)
     planned(tab, session, lambda jump: jump.forward == 0.2, "another plan")
     tab.upload("Open", *tab.downloads[0])
     tab.wait_for_status("Landed from file")
-    assert session.rollout.com.tolist() == rollout.com.tolist()
-    assert session.plan.jump == rollout.jump
+    assert session.state.rollout.com.tolist() == rollout.com.tolist()
+    assert session.state.plan.jump == rollout.jump
 
 
 # ---- for looking
@@ -108,7 +108,7 @@ def test_what_was_saved_for_other_tools_comes_back_for_looking(tab, session, scr
 
 
 def test_a_bad_file_is_one_line_and_nothing_changes(tab, session, tmp_path):
-    before, status = session.plan, tab.status()
+    before, status = session.state.plan, tab.status()
     good = content(plan_of(), tmp_path)
     for number, (name, bad) in enumerate(
         [("a.npz", b"PK"), ("b.npz", good[:1000]), ("c.json", b"{"), ("d", b""), ("e.csv", b"a,b")]
@@ -121,7 +121,7 @@ def test_a_bad_file_is_one_line_and_nothing_changes(tab, session, tmp_path):
         assert "\n" not in body
         assert "/tmp" not in body
         assert body not in tab.text()  # it is said once
-    assert session.plan is before
+    assert session.state.plan is before
     assert tab.status() == status
     tab.upload("Open", "good.npz", good, transfer="good")
     planned(tab, session, lambda jump: jump == JUMP, "a good one")
@@ -148,7 +148,7 @@ def test_several_formats_are_one_zip(tab, session):
             "anymal_twist90.jump.json",
         ]
         design = load_design(archive.read("anymal_twist90.jump.json"))
-    assert design.jump == session.plan.jump
+    assert design.jump == session.state.plan.jump
 
 
 def test_a_format_takes_its_options(tab, session):

@@ -10,7 +10,7 @@ NUMBERS = ("Push at [s]", "Push x [N s]", "Push y [N s]", "Push z [N s]")
 
 
 def pushes(session):
-    return session.design.scenario.pushes
+    return session.state.design.scenario.pushes
 
 
 @pytest.fixture

@@ -39,7 +39,9 @@ def test_controls_appear_that_a_type_asks_for(tab, session, name):
     choose_type(tab, session, name)
     asks = jump_types.load_type(name).parameters
     assert there(tab) == {label for label, fields in EXTRA.items() if set(fields) & set(asks)}
-    assert session.plan.schedule == jump_types.schedule_of(session.plan.jump, session.state.robot)
+    assert session.state.plan.schedule == jump_types.schedule_of(
+        session.state.plan.jump, session.state.robot
+    )
 
 
 def test_they_show_what_the_type_states_and_change_it(tab, session):
@@ -47,7 +49,7 @@ def test_they_show_what_the_type_states_and_change_it(tab, session):
     assert tab.value("Hops") == 2
     tab.set("Hops", 3)
     planned(tab, session, lambda jump: jump.hops == 3, "three hops")
-    assert isinstance(session.plan.jump.hops, int)
+    assert isinstance(session.state.plan.jump.hops, int)
     choose_type(tab, session, "flip")
     assert tab.value("Turn") == "back flip"
     tab.set("Turn", "front flip")
@@ -66,7 +68,7 @@ def test_a_biped_is_offered_what_it_can_do(tab, session):
     tab.set("Robot", "SLIDER")
     planned(tab, session, lambda jump: jump.robot == "slider", "a plan of slider")
     tab.wait(lambda: 'SLIDER does not support "Rear last"' in tab.status(), "a word on it")
-    assert session.plan.jump.type == "together"
+    assert session.state.plan.jump.type == "together"
     assert tab.value("Jump type") == "All feet together"
     assert "Rear last" not in tab.control("Jump type")["props"]["options"]
     choose(tab, session, "anymal")
@@ -88,11 +90,11 @@ def test_values_that_no_control_offers_are_told(tab, session, label, value):
         if set(EXTRA.get(label, ())) & set(kind.parameters):
             choose_type(tab, session, name)
             break
-    before = session.design.jump
+    before = session.state.design.jump
     tab.set(label, value)
     tab.wait(lambda: tab.notifications, "a note")
     assert label in tab.notifications[-1][1]
-    jump = session.design.jump
+    jump = session.state.design.jump
     assert jump.type == before.type
     assert (jump.pitch, jump.roll) == (before.pitch, before.roll)
     assert 1 <= jump.hops <= 5

@@ -47,7 +47,7 @@ def test_it_is_the_region_that_the_planner_permits(robot, tuning, standing):
     shown = replace(picture(robot, {"reach"}), planned=bake_plan(plan, load_robot(robot)))
     drawn = DrawnOverlay(shown, f"/regions/{'standing' if standing else 'flying'}")
     frames, arm = shown.solid, load_robot(robot)
-    frame = int(np.flatnonzero(~frames.flight if standing else frames.flight)[5])
+    frame = int(np.flatnonzero(frames.stands.any(axis=1) == standing)[5])
     base = Rotation.from_quat(frames.body_wxyz[frame, 0], scalar_first=True)
     legs = [
         base.inv().apply(drawn.vertices(node, frame) - frames.body_position[frame, 0])
