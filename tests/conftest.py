@@ -44,8 +44,9 @@ def pytest_configure(config):
         config.pluginmanager.register(Recorder(), "durations")
 
 
+@pytest.hookimpl(tryfirst=True)  # before markers select
 def pytest_collection_modifyitems(items):
-    """Files that drive the browser first, then the longest.
+    """Files that drive the browser first, then the longest; what uses it is marked so.
 
     What a browser on a busy machine has missed is tried once more, on a page brought back to its
     beginning; the closing line counts it.
@@ -59,7 +60,8 @@ def pytest_collection_modifyitems(items):
 
     items.sort(key=rank)
     for item in items:
-        if item.get_closest_marker(BROWSER) is not None:
+        if BROWSER in item.fixturenames:
+            item.add_marker(BROWSER)
             item.add_marker(pytest.mark.flaky(reruns=1))
 
 

@@ -74,7 +74,6 @@ class Detector(ABC):
     """
 
     name: ClassVar[str]
-    summary: ClassVar[str]
     threshold: float  # what `signal` is compared with; constant
     signal: float
 
@@ -144,7 +143,6 @@ class ResidualDetector(Detector):
     """
 
     name = "residual"
-    summary = "change of linear and angular velocity that gravity does not explain (the default)"
 
     def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
         self.threshold = THRESHOLD
@@ -229,7 +227,6 @@ class NormDetector(Detector):
     """
 
     name = "norm"
-    summary = "the paper's: ‖v_G‖ falls fast in every tick of a window"
 
     def __init__(self, tick: float, uncertainty: ModelUncertainty) -> None:
         self.threshold = -NORM_THRESHOLD

@@ -192,7 +192,6 @@ class Excitation(Tier):
     """
 
     name = EXCITATION
-    summary = "sums of sines on every joint about the default posture, the robot hung"
 
     def __init__(self, robot: Robot, duration: float) -> None:
         """Raises `InputError`, as `sines`."""

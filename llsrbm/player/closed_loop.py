@@ -25,7 +25,6 @@ class ClosedLoop(PlanTier):
     """
 
     name = "closed-loop"
-    summary = "the whole-body controller at 500 Hz, on an estimate from inertial unit and joints"
     # It makes its own torques of the motion, within the drives' limits.
     makes_up_for = frozenset({"dynamics"})
 

@@ -19,7 +19,6 @@ class Table(PlanTier):
     """Rows of q, dq, tau, a period apart; nothing of the robot's state enters but its clock."""
 
     name = "table"
-    summary = "the plan's joints and torques at 500 Hz, followed by the motors' gains alone"
 
     def __init__(self, plan: Plan, robot: Robot) -> None:
         super().__init__(plan, robot)

@@ -22,7 +22,6 @@ class Tier(ABC):
     """
 
     name: ClassVar[str]
-    summary: ClassVar[str]
     # Checks of a certificate that need not hold, as the tier does not follow what they judge.
     makes_up_for: ClassVar[frozenset[str]] = frozenset()
 

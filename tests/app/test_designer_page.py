@@ -21,8 +21,6 @@ from tests.app.chromium import (
 from tests.app.shared_page import shows_motion
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 
 def pose(page, node):
     return page.evaluate(

@@ -16,10 +16,7 @@ from tests.app.synthetic_plan import synthetic_plan
 from tests.app.waits import wait_until
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(shutil.which("chromium") is None, reason="no Chromium"),
-]
+pytestmark = pytest.mark.skipif(shutil.which("chromium") is None, reason="no Chromium")
 
 OUTER = """<!doctype html><html lang="en"><title>A page</title>
 <script>

@@ -6,8 +6,6 @@ import pytest
 from tests.app.chromium import PACE, PIXELS, fill, paused_at, press, status, tab, unfold
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 FOOT = "/footholds/0"  # of the example's robot: its left front foot
 STEPS = 5
 

@@ -10,8 +10,6 @@ from tests.app.axe import findings
 from tests.app.chromium import PACE, settled, tab, tick, unfold
 from tests.app.legibility import unreadable
 
-pytestmark = pytest.mark.browser
-
 DESK, TABLET = (1440, 900), (820, 1180)
 SIZES = [DESK, (1280, 720), (1920, 1080), (390, 844)]
 # Tabs of the panel, and the folders in them.

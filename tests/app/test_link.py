@@ -193,7 +193,6 @@ def test_everything_is_a_call_of_the_pages_scripts(link, sent):
 APP = Path(page_link.__file__).parent
 
 
-@pytest.mark.browser
 def test_every_function_that_is_called_is_in_the_scripts(shared_page):
     trees = [ast.parse(path.read_text("utf-8")) for path in APP.rglob("*.py")]
     called = {

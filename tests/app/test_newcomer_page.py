@@ -11,8 +11,6 @@ from tests.app.chromium import press, status
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 ACTIONS = 6  # in all
 
 

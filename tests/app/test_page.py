@@ -25,8 +25,6 @@ from tests.app.chromium import (
 )
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 
 @pytest.fixture
 def page(page):

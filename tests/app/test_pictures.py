@@ -15,7 +15,6 @@ DOCS = Path(__file__).parents[2] / "docs"
 RECORD = json.loads((DOCS / "pictures.json").read_text(encoding="utf-8"))
 
 
-@pytest.mark.browser
 def test_labels_are_those_that_the_pictures_were_taken_with(browser, designer):
     page = visit(browser, designer)  # its own, whose tabs have all been looked into afterwards
     assert labels(page) == RECORD["labels"], "python -m benchmarks.pictures"

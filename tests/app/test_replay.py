@@ -144,7 +144,6 @@ def tab(browser, replay):
     page.context.close()
 
 
-@pytest.mark.browser
 @needs_chromium
 class TestInABrowser:
     def test_it_plays_by_itself_until_a_key_is_pressed(self, tab):
@@ -193,7 +192,6 @@ class TestInABrowser:
         assert tab.faults == []
 
 
-@pytest.mark.browser
 @needs_chromium
 def test_it_is_looked_at_from_where_was_asked_for_and_words_from_files_do_nothing(browser, hostile):
     tab = played(browser, hostile)

@@ -5,8 +5,6 @@ import pytest
 from tests.app.chromium import PACE, paused_at, press
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 # Of the example's plan: it stands for 0.4 s, flies for 0.5 s and stands for 0.4 s.
 STEPS = 5
 

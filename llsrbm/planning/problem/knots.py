@@ -68,14 +68,7 @@ Evaluate = Callable[[Task, Array], Mapping[Hashable, RowValues]]
 class StageValues:
     """Quantities of a `Stage` as numbers at all knots: a CasADi function for each kind of stage."""
 
-    def __init__(
-        self,
-        model: CentroidalModel,
-        layout: Layout,
-        at_knots: tuple[str, ...] = AT_KNOTS,
-        over_intervals: tuple[str, ...] = OVER_INTERVALS,
-    ) -> None:
-        """Args: at_knots, over_intervals: names of attributes of `Stage`."""
+    def __init__(self, model: CentroidalModel, layout: Layout) -> None:
         self._layout = layout
         symbols = parameter_symbols(layout)
         families: dict[Role, list[int]] = {}
@@ -86,7 +79,7 @@ class StageValues:
         self.shapes: dict[str, tuple[int, int]] = {}
         for role, knots in families.items():
             stage = Stage(role, layout, model, symbols)
-            names = at_knots if role.terminal else (*at_knots, *over_intervals)
+            names = AT_KNOTS if role.terminal else (*AT_KNOTS, *OVER_INTERVALS)
             values = {name: ca.SX(getattr(stage, name)) for name in names}
             self.shapes |= {name: value.shape for name, value in values.items()}
             column = ca.vertcat(*(ca.densify(ca.vec(value)) for value in values.values()))

@@ -140,9 +140,9 @@ class Formulation:
         """The task's numbers."""
         return make_problem(self.layout, task)
 
-    def guess(self, task: Task, flight_time: float | None = None) -> Array:
-        """All variables; the flight time in s, None chooses one."""
-        return analytic_guess(task, self.layout, self.model, flight_time)
+    def guess(self, task: Task) -> Array:
+        """All variables."""
+        return analytic_guess(task, self.layout, self.model)
 
     def moved(self, near: Attempt, task: Task) -> Array:
         """A guess: another task's solution, moved as the analytic guesses of the two differ."""

@@ -34,18 +34,15 @@ FLIP_SHARE = 0.1  # of a whole turn that is made before lift-off, and as much af
 TUCK = 0.3  # share by which the legs are shortened in mid-flip
 
 
-def analytic_guess(
-    task: Task, layout: Layout, model: CentroidalModel, flight_time: float | None = None
-) -> Array:
+def analytic_guess(task: Task, layout: Layout, model: CentroidalModel) -> Array:
     """All variables, in the layout's order and units.
 
     Args:
         task: where from and where to.
         layout: what to fill.
         model: for the feet in their hip frames.
-        flight_time: s; None chooses by twist, distance and height.
     """
-    path = _Path(task, flight_time)
+    path = _Path(task)
     at = zip(layout.phase.tolist(), layout.progress.tolist(), strict=True)
     knots = [path.body(phase, s) for phase, s in at]
     feet = _feet(task, layout, model, path, knots)
@@ -149,11 +146,10 @@ class _Body:
 
 @dataclass(frozen=True, eq=False)
 class _Flight:
-    """Body at lift-off and touchdown of one flight, and how long it takes, s."""
+    """Body at lift-off and touchdown of one flight."""
 
     lift_off: _Body
     touchdown: _Body
-    time: float
 
 
 class _Path:
@@ -163,13 +159,12 @@ class _Path:
         times: (P,) s, of the phases.
     """
 
-    def __init__(self, task: Task, flight_time: float | None) -> None:
+    def __init__(self, task: Task) -> None:
         self._task = task
         phases = list(task.schedule)
         self.times = np.array([_time(task, p) for p in range(len(phases))])
         for p in task.schedule.flights:
-            wanted = flight_time or self._flight_time(phases[p].place)
-            self.times[p] = np.clip(wanted, *task.times(p))
+            self.times[p] = np.clip(self._flight_time(phases[p].place), *task.times(p))
         # Runs of phases between flights, and where each phase begins in its run.
         edges = [-1, *task.schedule.flights, len(phases)]
         self._run_of = np.zeros(len(phases), dtype=np.int64)
@@ -228,7 +223,6 @@ class _Path:
                 turn + rate * T,
                 rate,
             ),
-            T,
         )
 
     def body(self, phase: int, progress: float) -> _Body:

@@ -14,8 +14,6 @@ from tests.app.chromium import dark, picture, status, visitor
 from tests.app.planners import SyntheticPlanner
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 FRAGMENT = "#design=abc"
 
 

@@ -13,8 +13,6 @@ from llsrbm.request.design import dump_design, examples
 from tests.app.chromium import PACE, drop, fill, visitor
 from tests.app.design_page import design_page
 
-pytestmark = pytest.mark.browser
-
 HUGE = 100_000_000  # bytes
 
 

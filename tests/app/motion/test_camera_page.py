@@ -7,8 +7,6 @@ from PIL import Image
 from tests.app.chromium import NOTE, base_node, dark, fill, looked_at, player, screenshot
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 SEEN = """names => {
   const { camera, nodeRefFromName } = window.__viserMutable;
   camera.updateMatrixWorld();

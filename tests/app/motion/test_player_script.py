@@ -10,8 +10,6 @@ import app.page_template
 from app.link import ClipTaken, PageReady, PlayerMoved, read_event
 from app.motion.clip import AnimationChannel, Clip, Track
 
-pytestmark = pytest.mark.browser
-
 STATIC = Path(app.page_template.__file__).parent / "static"
 STAGE = """() => {
   let now = 1000, waiting = [];

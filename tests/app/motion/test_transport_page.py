@@ -16,8 +16,6 @@ from tests.app.chromium import (
 )
 from tests.app.waits import eventually, wait_until
 
-pytestmark = pytest.mark.browser
-
 FRAME = 1 / 60  # s
 POSE = """name => {
   const { position, wxyz } = window.__viserMutable.nodePoseData[name];

@@ -9,8 +9,6 @@ from tests.app.chromium import fill, number, status, tab, unfold
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 TABS = ("View", "Results", "Plots", "Files", "More")
 HEAD = ("Share", "Open", "Undo", "Redo", "Robot", "Jump type")
 BELOW = ("Model", "Simulate", "Scenario", "Format", "Export", "Details")

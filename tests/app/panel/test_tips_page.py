@@ -5,8 +5,6 @@ import pytest
 from tests.app.chromium import fill, number, status
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 
 def notes(page):
     """The notes in sight, viser's among them."""

@@ -1,10 +1,6 @@
 """The verdict in a browser: what it says, that it is never cut, and what moves when it grows."""
 
-import pytest
-
 from tests.app.chromium import fill, number, press, status
-
-pytestmark = pytest.mark.browser
 
 
 def places(page):

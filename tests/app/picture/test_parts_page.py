@@ -7,8 +7,6 @@ from llsrbm.request.design import Design
 from tests.app.chromium import PACE, PIXELS, at_rest, paused_at
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 BOX = "#llsrbm-part"
 FOOT = "LF foot"
 

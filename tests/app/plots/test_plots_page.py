@@ -11,8 +11,6 @@ from app.plots.choice import LANDING, PRESETS, TORQUES
 from tests.app.chromium import VIEW, at_rest, choose, fill, player, press, status, tab
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 # viser lists charts in the order in which they were made, or made anew.
 IN_ORDER = """Object.values(window.__viserTestpoints.uplots).sort((a, b) =>
   a.chart.root.compareDocumentPosition(b.chart.root) & Node.DOCUMENT_POSITION_FOLLOWING ? -1 : 1)"""

@@ -5,8 +5,6 @@ import pytest
 from tests.app.chromium import choose, fill, number, press, status, unfold
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 MAP = ".llsrbm-atlas svg[role=application]"
 MARK = "document.querySelector('.llsrbm-atlas .mark').getAttribute('transform')"
 

@@ -22,8 +22,6 @@ from tests.app.chromium import (
 from tests.app.shared_page import find_session, fresh, shows_motion, visit
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 FORWARD = 0.3  # m, of the design that is found again
 INSTANT = 0.65  # s, place on the timeline
 

@@ -2,14 +2,10 @@
 
 import re
 
-import pytest
-
 from tests.app.chromium import press
 from tests.app.legibility import unreadable
 from tests.app.shared_page import visit
 from tests.app.waits import wait_until
-
-pytestmark = pytest.mark.browser
 
 
 def test_one_press_on_a_fresh_page_leads_to_a_sentence_with_figures(browser, designer):

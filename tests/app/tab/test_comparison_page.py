@@ -1,11 +1,7 @@
 """Chips of what is pinned, over the picture, in a real browser."""
 
-import pytest
-
 from tests.app.chromium import COMPARE, fill, press, status, tab
 from tests.app.waits import wait_until
-
-pytestmark = pytest.mark.browser
 
 
 def test_what_is_pinned_is_a_chip_over_the_picture(page):

@@ -7,8 +7,6 @@ from tests.app.axe import findings
 from tests.app.chromium import press
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 
 @pytest.fixture
 def shown(page):

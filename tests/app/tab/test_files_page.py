@@ -25,8 +25,6 @@ from tests.app.synthetic_plan import synthetic_plan
 from tests.app.waits import wait_until
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
-pytestmark = pytest.mark.browser
-
 JUMP = Jump(robot="anymal", twist=1.0, forward=0.3)
 
 

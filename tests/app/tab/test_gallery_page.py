@@ -1,10 +1,6 @@
 """The gallery of examples, in a real browser."""
 
-import pytest
-
 from tests.app.chromium import press
-
-pytestmark = pytest.mark.browser
 
 
 def test_the_button_opens_it_and_its_pictures_are_sent_once(page):

@@ -2,11 +2,7 @@
 
 import re
 
-import pytest
-
 from tests.app.chromium import press, status
-
-pytestmark = pytest.mark.browser
 
 
 def test_the_verdict_opens_the_certificate_and_a_finding_its_instant(page):

@@ -6,8 +6,6 @@ import pytest
 from tests.app.chromium import PACE, PIXELS, at_rest, paused_at, press, status, tick, unfold
 from tests.app.waits import wait_until
 
-pytestmark = pytest.mark.browser
-
 GRIP = "/push/tip"
 DRAG = 0.4  # m
 

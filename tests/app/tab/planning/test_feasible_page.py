@@ -8,8 +8,6 @@ from tests.app.chromium import tab
 from tests.app.waits import wait_until
 from tests.llsrbm.atlas.classifiers import shipped
 
-pytestmark = pytest.mark.browser
-
 # Of the twist, the first slider: its sentence, what a screen reader says, and its track.
 TRACK = """() => {
   const slider = document.querySelector(".mantine-Slider-root");

@@ -46,14 +46,6 @@ def test_a_hop_from_start_to_goal(model, request_):
     assert not knots.force[..., :2].any()
 
 
-@pytest.mark.parametrize(("asked", "taken"), [(0.45, 0.45), (0.1, 0.3), (5.0, 0.6)])
-def test_flight_time_as_asked_within_the_robots_range(asked, taken):
-    task = make_task(Jump(), ROBOT)
-    made = models.make_model("srbm", ROBOT)
-    knots = unpack(analytic_guess(task, LAYOUT, made, asked), LAYOUT, task, made)
-    assert knots.durations[1] == pytest.approx(taken)
-
-
 # ---- any schedule
 
 MODEL = models.make_model("llsrbm-plus", ROBOT)
