@@ -1,4 +1,4 @@
-"""Forward kinematics by Pinocchio alone, a posture at a time."""
+"""Kinematics and dynamics by Pinocchio alone, a posture at a time."""
 
 import numpy as np
 import pinocchio as pin
@@ -31,3 +31,16 @@ def link_poses(robot, qpos):
         frame.name: (data.oMi[frame.parentJoint].translation, data.oMi[frame.parentJoint].rotation)
         for frame in bodies
     }
+
+
+def links_alone(robot):
+    """Pinocchio's model without rotors."""
+    model = robot.model.copy()
+    model.armature[:] = 0.0
+    return model
+
+
+def of_drives(robot, dq, ddq):
+    """Nm or N of rotors, damping, and friction that turns about within 3 % of the speed limit."""
+    turned = dq / np.hypot(dq, 0.03 * robot.speed_limit)
+    return robot.armature * ddq + robot.friction * turned + robot.damping * dq

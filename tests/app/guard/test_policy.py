@@ -11,20 +11,13 @@ from app.guard.limits import Limits, Rate, TokenBucket
 from app.guard.policy import Guard, Request, network
 from app.guard.token import Access
 from llsrbm.errors import InputError
+from tests.app.guard.clock import Clock
 
 TOKEN = "a-token-of_32-characters-exactly"
 HOST = "10.0.0.1:8080"
 OWN = (("Host", HOST),)
 SOCKET = (("Upgrade", "websocket"), ("Connection", "Upgrade"))
 ORIGIN = (("Origin", f"http://{HOST}"),)
-
-
-class Clock:
-    def __init__(self):
-        self.now = 100.0
-
-    def __call__(self):
-        return self.now
 
 
 def guard(token=None, *, loopback=True, limits=None, now=None):

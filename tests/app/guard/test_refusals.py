@@ -6,19 +6,12 @@ import pytest
 
 from app.guard.limits import Limits
 from app.guard.refusals import Refusals
-
-
-class Clock:
-    def __init__(self):
-        self.now = 0.0
-
-    def __call__(self):
-        return self.now
+from tests.app.guard.clock import Clock
 
 
 @pytest.fixture
 def clock():
-    return Clock()
+    return Clock(0.0)
 
 
 @pytest.fixture

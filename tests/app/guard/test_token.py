@@ -4,22 +4,15 @@ from hypothesis import strategies as st
 
 from app.guard.token import COOKIE_LIFE, Access
 from llsrbm.errors import InputError
+from tests.app.guard.clock import Clock
 
 TOKEN = "a-token-of_32-characters-exactly"
 HOST = "10.0.0.1:8080"
 
 
-class Clock:
-    def __init__(self):
-        self.now = 1_700_000_000.0
-
-    def __call__(self):
-        return self.now
-
-
 @pytest.fixture
 def clock():
-    return Clock()
+    return Clock(1_700_000_000.0)
 
 
 @pytest.fixture

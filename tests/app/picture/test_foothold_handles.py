@@ -1,4 +1,3 @@
-import contextlib
 import math
 from types import SimpleNamespace
 
@@ -10,20 +9,10 @@ from llsrbm.mechanics import turns_about_z
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
+from tests.app.picture.gizmo import Gizmo
 
 ROBOT = load_robot("go2")
 JUMP = Jump(robot="go2", twist=0.7, forward=0.2, lateral=-0.1, height=0.1)
-
-
-class Gizmo(SimpleNamespace):
-    """What viser's handle offers of itself."""
-
-    def on_update(self, callback):
-        self.callback = callback
-
-    def drag(self, phase):
-        with contextlib.suppress(StopIteration):  # it waits for nothing
-            self.callback(SimpleNamespace(phase=phase)).send(None)
 
 
 class Feet:

@@ -1,4 +1,3 @@
-import contextlib
 import math
 from dataclasses import replace
 from types import SimpleNamespace
@@ -11,25 +10,11 @@ from hypothesis import strategies as st
 from app.picture.landing_handle import LandingHandle
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
+from tests.app.picture.gizmo import Gizmo
 
 ROBOT = load_robot("anymal")
 TASK = ROBOT.file.task
 JUMP = Jump(robot="anymal", model="srbm", twist=0.5, height=0.1)
-
-
-class Gizmo(SimpleNamespace):
-    """What viser's handle offers of itself."""
-
-    def on_update(self, callback):
-        self.callback = callback
-
-    def drag(self, phase="update"):
-        with contextlib.suppress(StopIteration):  # it waits for nothing
-            self.callback(SimpleNamespace(phase=phase)).send(None)
-
-    def place(self, x, y, yaw):
-        self.position = np.array([x, y, 0.0])
-        self.wxyz = np.array([math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
 
 
 class Target:

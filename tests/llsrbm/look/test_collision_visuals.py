@@ -3,31 +3,18 @@
 from time import thread_time
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from llsrbm.cache import ENVIRONMENT_VARIABLE
 from llsrbm.look.collision_visuals import collision_visuals, visuals_at_once
-from llsrbm.look.visuals import forward_kinematics, needs_preparation
+from llsrbm.look.visuals import needs_preparation
 from llsrbm.robots import load_robot
+from tests.llsrbm.look.standing import standing
 
 
 @pytest.fixture
 def empty_cache(tmp_path, monkeypatch):
     monkeypatch.setenv(ENVIRONMENT_VARIABLE, str(tmp_path))
-
-
-def standing(robot, visuals):
-    """All vertices, (V, 3) m, the robot in its default posture."""
-    position, quat = forward_kinematics(
-        robot, robot.base_position[None], [[1, 0, 0, 0]], robot.posture[None, 7:]
-    )
-    points = []
-    for visual in visuals:
-        w, x, y, z = quat[0, visual.joint_id - 1]
-        R = pin.Quaternion(w, x, y, z).matrix()
-        points.append(visual.vertices @ R.T + position[0, visual.joint_id - 1])
-    return np.vstack(points)
 
 
 @pytest.mark.parametrize("name", ["go2", "slider", "g1"])

@@ -10,6 +10,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.look.visuals import FACES, forward_kinematics, link_visuals
 from llsrbm.robots import build_robot, load_robot
 from llsrbm.robots.feet import collision_shapes
+from tests.llsrbm.look.standing import standing
 from tests.llsrbm.robots.test_robot import beside
 
 
@@ -42,15 +43,7 @@ def test_every_moving_body_is_one_light_mesh(anymal):
 def test_meshes_sit_where_the_robot_is(anymal):
     """Drawn standing: the soles at the ground, the body's outline as wide as it is."""
     robot = load_robot("anymal")
-    position, quat = forward_kinematics(
-        robot, robot.base_position[None], [[1, 0, 0, 0]], robot.posture[None, 7:]
-    )
-    drawn = []
-    for visual in anymal:
-        w, x, y, z = quat[0, visual.joint_id - 1]
-        R = pin.Quaternion(w, x, y, z).matrix()
-        drawn.append(visual.vertices @ R.T + position[0, visual.joint_id - 1])
-    everything = np.vstack(drawn)
+    everything = standing(robot, anymal)
     assert everything[:, 2].min() == pytest.approx(0, abs=0.02)
     assert 0.5 < everything[:, 2].max() < 0.9
     low = everything[everything[:, 2] < 0.03]

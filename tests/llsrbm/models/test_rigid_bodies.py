@@ -7,6 +7,7 @@ import pytest
 
 from llsrbm.models.rigid_bodies import RigidBodies
 from llsrbm.robots import load_robot
+from tests.llsrbm.kinematics import links_alone, of_drives
 
 
 @pytest.fixture(params=["anymal", "slider", "g1"])
@@ -19,18 +20,6 @@ def state(robot, seed):
     rng, model = np.random.default_rng(seed), robot.model
     q = np.concatenate([np.zeros(6), [1.0], rng.uniform(-1, 1, model.nq - 7)])
     return q, rng.normal(size=model.nv) * 3, rng.normal(size=model.nv) * 10
-
-
-def links_alone(robot):
-    model = robot.model.copy()
-    model.armature[:] = 0.0
-    return model
-
-
-def of_drives(robot, dq, ddq):
-    """Nm or N of rotors, damping, and friction that turns about within 3 % of the speed limit."""
-    turned = dq / np.hypot(dq, 0.03 * robot.speed_limit)
-    return robot.armature * ddq + robot.friction * turned + robot.damping * dq
 
 
 def of_pinocchio(robot, q, v, a):

@@ -5,11 +5,14 @@ sum of w u^2 dt, where the weight w of the first half of the intervals and that 
 parameters of their own.
 """
 
+from functools import cache
+
 import casadi as ca
 import numpy as np
 
 from llsrbm.ocp.horizon import Horizon, Problem, Row, Run, StageExpressions
 from llsrbm.ocp.lifting import Lifting
+from llsrbm.ocp.transcription import Transcription
 
 INTERVALS = 12
 PUSH = 100.0  # m/s2, wide enough to change nothing
@@ -61,6 +64,11 @@ def horizon(built: list[str] | None = None, fixed: bool = True) -> Horizon:
         ),
         4,
     )
+
+
+@cache
+def transcription():
+    return Transcription(horizon())
 
 
 def problem(

@@ -5,7 +5,6 @@ import shutil
 import subprocess
 import sys
 import time
-from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +14,8 @@ from llsrbm.ocp import compile_job, solvers
 from llsrbm.ocp.compile_job import failed
 from llsrbm.ocp.compiled import Compiler, Library, c_files, compiler, packed
 from llsrbm.ocp.solvers import SolveOptions
-from llsrbm.ocp.transcription import FUNCTIONS, Transcription
-from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
+from llsrbm.ocp.transcription import FUNCTIONS
+from tests.llsrbm.ocp.cart import INTERVALS, problem, transcription
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
 GUESS = np.zeros(3 * INTERVALS + 2)
@@ -25,11 +24,6 @@ GUESS = np.zeros(3 * INTERVALS + 2)
 @pytest.fixture(autouse=True)
 def switched_on(monkeypatch):
     monkeypatch.setenv("LLSRBM_COMPILE", "1")
-
-
-@cache
-def transcription():
-    return Transcription(horizon())
 
 
 @pytest.fixture(scope="module")

@@ -9,16 +9,18 @@ import pytest
 from llsrbm.ocp import solvers
 from llsrbm.ocp.solvers import FROM_GUESS, WITHIN, SolveOptions
 from llsrbm.ocp.solvers.base import MAX_FOLLOW_MISS
-from llsrbm.ocp.transcription import Transcribed, Transcription
-from tests.llsrbm.ocp.cart import INTERVALS, best_pushes, horizon, places, problem, pushes
+from llsrbm.ocp.transcription import Transcribed
+from tests.llsrbm.ocp.cart import (
+    INTERVALS,
+    best_pushes,
+    places,
+    problem,
+    pushes,
+    transcription,
+)
 
 every_solver = pytest.mark.parametrize("name", solvers.names())
 GUESS = np.zeros(3 * INTERVALS + 2)
-
-
-@cache
-def transcription():
-    return Transcription(horizon())
 
 
 @cache

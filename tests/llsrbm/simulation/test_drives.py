@@ -11,6 +11,7 @@ from llsrbm.control.motor_command import MotorCommand
 from llsrbm.motion.rollout import Disturbance
 from llsrbm.robots import load_robot
 from llsrbm.simulation.world import FLAT, STEP, Drives, World, steps_in
+from tests.llsrbm.kinematics import links_alone
 from tests.llsrbm.simulation.anymal_world import ANYMAL, JOINTS, TICK, in_the_air, world_of
 
 
@@ -105,12 +106,6 @@ def test_drives_that_are_reset_forget_what_was_sent():
     drives.reset()
     drives.send(np.full(JOINTS, 7.0))
     assert [drives.acting(step)[0] for step in range(5)] == [7] * 5
-
-
-def links_alone(robot):
-    model = robot.model.copy()
-    model.armature[:] = 0.0
-    return model
 
 
 def swung(robot, seconds=0.3):

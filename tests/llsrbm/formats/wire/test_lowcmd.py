@@ -12,6 +12,7 @@ from llsrbm.formats import export
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned, read_table, shipped, simulated
 from tests.llsrbm.formats.wire.jumps import beside, check_joint, jump, rate_of
+from tests.llsrbm.wire.unitree_reference import checksum
 
 # As published: a motor's command in the messages of both families, and who has which number.
 MOTOR = np.dtype([("q", "<f4"), ("dq", "<f4"), ("tau", "<f4"), ("kp", "<f4"), ("kd", "<f4")])
@@ -128,16 +129,6 @@ def test_g1s_held_joints_stay(tmp_path):
 # The structures of Unitree's SDK as a C compiler lays them out.
 GO = "<4B4IH2x" + "B3x5f3I" * 20 + "4B55Bx2I"
 HG = "<2B2x" + "B3x5fI" * 35 + "5I"
-
-
-def checksum(message):
-    """CRC-32 over words, bit by bit: polynomial 04C11DB7, the last word left out."""
-    found = 0xFFFFFFFF
-    for word in struct.unpack(f"<{len(message) // 4 - 1}I", message[:-4]):
-        for bit in range(31, -1, -1):
-            carry = (found >> 31) ^ (word >> bit & 1)
-            found = (found << 1 & 0xFFFFFFFF) ^ (0x04C11DB7 * carry)
-    return found
 
 
 @pytest.mark.parametrize(

@@ -7,13 +7,13 @@ import pytest
 from llsrbm.planning.whole_body.effort import limb_effort, trunk_effort
 from llsrbm.planning.whole_body.limbs import limbs_of, trunk_numbers
 from llsrbm.robots import load_robot, names
+from tests.llsrbm.kinematics import links_alone, of_drives
 from tests.llsrbm.planning.whole_body.moving import moving
 
 
 def of_pinocchio(robot, q, v, a, forces):
     """Base and drives, base axes: of links, forces (L, c, 3) N, world axes, and of drives."""
-    model, data = robot.model.copy(), robot.model.createData()
-    model.armature[:] = 0.0
+    model, data = links_alone(robot), robot.model.createData()
     effort = pin.rnea(model, data, q, v, a)
     pin.computeJointJacobians(model, data, q)
     pin.updateFramePlacements(model, data)
@@ -21,8 +21,7 @@ def of_pinocchio(robot, q, v, a, forces):
         J = pin.getFrameJacobian(model, data, leg.foot_frame_id, pin.LOCAL_WORLD_ALIGNED)
         arms = robot.corners @ data.oMf[leg.foot_frame_id].rotation.T - [0, 0, robot.foot_lift]
         effort -= J.T @ np.append(pushes.sum(axis=0), np.cross(arms, pushes).sum(axis=0))
-    turned = v[6:] / np.hypot(v[6:], 0.03 * robot.speed_limit)
-    effort[6:] += robot.armature * a[6:] + robot.friction * turned + robot.damping * v[6:]
+    effort[6:] += of_drives(robot, v[6:], a[6:])
     return effort
 
 
