@@ -23,14 +23,6 @@ _NONE = "none"  # the only option of a menu that has none
 _LOST = object()  # where a control stands that a browser has put where it cannot be
 
 
-def _always(_: Any) -> bool:
-    return True
-
-
-def _never(_: Any) -> bool:
-    return False
-
-
 @dataclass(frozen=True, eq=False)
 class Field(Generic[V]):
     """A control: a checkbox, or a menu if it has options, or for numbers if it has ends."""
@@ -49,9 +41,9 @@ class Field(Generic[V]):
     options: tuple[str, ...] | Callable[[V, Any], Sequence[str]] | None = None
     aliases: tuple[str, ...] = ()  # that a script may choose in a menu besides its options
     # whether a value has this number at all; else it is not read, and hidden
-    there: Callable[[V], bool] = _always
+    there: Callable[[V], bool] = lambda _: True
     stays: bool = False  # it is seen all the same, and keeps what was entered
-    disabled: Callable[[V], bool] = _never  # whether it cannot be changed
+    disabled: Callable[[V], bool] = lambda _: False  # whether it cannot be changed
 
     def ends_for(self, about: Any) -> Ends:
         """Lowest and highest number."""

@@ -19,14 +19,6 @@ _KEYS = {signal.title: key for key, signal in SIGNALS.items()}
 About = Sequence[Layer]
 
 
-def _with_preset(choice: PlotChoice, name: str) -> PlotChoice:
-    return choice.with_preset(name) if name in PRESETS else choice
-
-
-def _kinds(choice: PlotChoice, layers: About) -> tuple[str, ...]:
-    return joint_kinds(layers[-1].series.robot) if choice.joints and layers else ()
-
-
 def _component(choice: PlotChoice) -> str:
     chart = choice.offered
     return EACH if chart.each else (*chart.components, ALL)[0]
@@ -36,10 +28,6 @@ def _with_component(choice: PlotChoice, name: str) -> PlotChoice:
     components = () if name in (ALL, EACH) else (name,)
     chart = ChartChoice(choice.offered.signal, components, each=name == EACH)
     return replace(choice, offered=chart)
-
-
-def _with_removable(choice: PlotChoice, name: str) -> PlotChoice:
-    return replace(choice, removable=next((c for c in choice.charts if name_of(c) == name), None))
 
 
 _SHOWN: tuple[Field[PlotChoice], ...] = (
@@ -53,7 +41,7 @@ _SHOWN: tuple[Field[PlotChoice], ...] = (
         "Preset",
         "Set of charts",
         get=lambda choice: choice.preset,
-        put=_with_preset,
+        put=lambda choice, name: choice.with_preset(name) if name in PRESETS else choice,
         options=(*PRESETS, OWN),
     ),
     Field(
@@ -61,7 +49,9 @@ _SHOWN: tuple[Field[PlotChoice], ...] = (
         "The joints whose loads are shown",
         get=lambda choice: choice.joints or "",
         put=PlotChoice.with_joints,
-        options=_kinds,
+        options=lambda choice, layers: (
+            joint_kinds(layers[-1].series.robot) if choice.joints and layers else ()
+        ),
         there=lambda choice: choice.joints is not None,
     ),
     Field(
@@ -91,7 +81,9 @@ _REMOVED: Field[PlotChoice] = Field(
     "Chart",
     "Chart to remove",
     get=lambda choice: name_of(choice.to_remove),
-    put=_with_removable,
+    put=lambda choice, name: replace(
+        choice, removable=next((c for c in choice.charts if name_of(c) == name), None)
+    ),
     options=lambda choice, _: tuple(map(name_of, choice.charts)),
     there=lambda choice: bool(choice.charts),
     stays=True,

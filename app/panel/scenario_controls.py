@@ -39,10 +39,6 @@ def _with_board(scenario: Scenario, millimetres: float) -> Scenario:
     return replace(scenario, board=millimetres / 1000, half_board=half)
 
 
-def _with_pushes(scenario: Scenario, wanted: bool) -> Scenario:
-    return replace(scenario, pushes=scenario.pushes or (_NO_PUSH,) if wanted else ())
-
-
 def _first(scenario: Scenario) -> Push:
     return scenario.pushes[0] if scenario.pushes else _NO_PUSH
 
@@ -100,7 +96,9 @@ PUSH: tuple[Field[Scenario], ...] = (
         "Push",
         "Push the trunk at the current time; drag the tip of its arrow",
         get=_is_pushed,
-        put=_with_pushes,
+        put=lambda scenario, wanted: replace(
+            scenario, pushes=scenario.pushes or (_NO_PUSH,) if wanted else ()
+        ),
     ),
     Field(
         "Push at [s]",

@@ -37,7 +37,7 @@ class LandingDragged:
         twist = jump.twist + math.remainder(self.yaw - jump.twist, 2 * math.pi)
         return replace(
             jump,
-            twist=_whole_degrees(_within(twist, task.twist)),
+            twist=math.radians(round(math.degrees(_within(twist, task.twist)))),
             forward=_whole_centimetres(_within(self.x, task.forward)),
             lateral=_whole_centimetres(_within(self.y, task.lateral)),
         )
@@ -106,10 +106,6 @@ def read_pose(wxyz: object, position: object) -> LandingDragged | None:
 
 def _within(value: float, ends: tuple[float, float]) -> float:
     return min(max(value, ends[0]), ends[1])
-
-
-def _whole_degrees(angle: float) -> float:
-    return math.radians(round(math.degrees(angle)))
 
 
 def _whole_centimetres(length: float) -> float:

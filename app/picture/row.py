@@ -61,7 +61,8 @@ class Row(Drawing):
             return ()
         self._turns = bool(picture.planned.plan.jump.pitch)
         rooms = [_room(each) for each in row]
-        shifts = _shifts(rooms, _index_of_shown(picture), 0 if self._turns else 1)
+        shown = next(k for k, each in enumerate(row) if each.frames is picture.solid)
+        shifts = _shifts(rooms, shown, 0 if self._turns else 1)
         self._points = np.concatenate(
             [outermost(room) + by for room, by in zip(rooms, shifts, strict=True)]
         )
@@ -167,10 +168,6 @@ class Row(Drawing):
             return target
         points = np.concatenate([target.points, self._points])
         return replace(target, points=points, direction=_ASIDE if self._turns else _AHEAD)
-
-
-def _index_of_shown(picture: Picture) -> int:
-    return next(k for k, each in enumerate(picture.row) if each.frames is picture.solid)
 
 
 def _room(standing: Standing) -> Array:

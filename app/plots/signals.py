@@ -316,10 +316,6 @@ def _share(key: str, title: str, of: _Values, columns: _Columns) -> Signal:
     return Signal(key, title, samples, most=2.0, level=lambda _: 1.0, level_title="limit")
 
 
-def _lower(title: str) -> str:
-    return title[:1].lower() + title[1:]
-
-
 _DERIVED = (
     Signal("base_angle", "Base angle", _base_angles, least=2.0),
     Signal("turned", "Angle turned about", _turned, least=2.0),
@@ -332,7 +328,9 @@ _DERIVED = (
         also_title="whole body as planned",
     ),
     *(
-        _share(f"largest_{key}", f"Largest {_lower(title)}", of, _each_kind("", np.max))
+        _share(
+            f"largest_{key}", f"Largest {title[:1].lower()}{title[1:]}", of, _each_kind("", np.max)
+        )
         for key, (title, of) in _SHARES.items()
     ),
     Signal(

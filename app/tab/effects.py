@@ -82,11 +82,6 @@ class Outside:
         for lane in range(MOST_LANES):
             self.pool.forget(self.name(queue, lane))
 
-    def give_up(self) -> None:
-        """Have the pool forget all of the tab's jobs."""
-        for queue in Queue:
-            self.forget(queue)
-
     def note(self, title: str, body: str) -> None:
         """Show a note until it is closed, in place of the one with the same words."""
         alike = title, body

@@ -27,7 +27,7 @@ from app.picture.foothold_handles import FootholdMoved
 from app.picture.landing_handle import HandleMoved
 from app.tab.acts import Step, event_of, update
 from app.tab.atlas import Atlases
-from app.tab.effects import Effect, Notify, Outside, RobotLoaded, loaded
+from app.tab.effects import Effect, Notify, Outside, Queue, RobotLoaded, loaded
 from app.tab.files import FileChosen
 from app.tab.inbox import End, Inbox
 from app.tab.planning.robot import draw_robot
@@ -120,7 +120,8 @@ class Session:
             self._show_failure()
         finally:
             if self._outside is not None:
-                self._outside.give_up()
+                for queue in Queue:
+                    self._outside.forget(queue)
             self._ended(self)
 
     def _show_failure(self) -> None:

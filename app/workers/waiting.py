@@ -90,7 +90,7 @@ class Waiting:
             able = [m for m in members if m.idle and m.suits(task)]
             if rival or not able or not self.may_run(task, members):
                 continue
-            if self.is_new(task) and self._is_building(members):
+            if self.is_new(task) and any(m.task and self.is_new(m.task) for m in members):
                 able = [m for m in able if not m.reserved]
                 if not able:
                     continue
@@ -125,9 +125,6 @@ class Waiting:
         if task.one_at_a_time and any(type(other) is type(task) for other in running):
             return False
         return not self.is_new(task) or all(other.needs != task.needs for other in running)
-
-    def _is_building(self, members: Sequence[Member]) -> bool:
-        return any(self.is_new(m.task) for m in members if m.task is not None)
 
     def _reluctance(self, member: Member, task: Task) -> tuple[bool, bool]:
         """Sorts members: with the solver first; then a reserved one, unless it may take long."""

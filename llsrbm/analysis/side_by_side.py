@@ -112,8 +112,8 @@ def sentence(ways: Sequence[Way], *, of_models: bool = True) -> str:
     clauses: list[str] = []
     turned = False
     for way in ways:
-        clause, turned = _clause(way, of_models=of_models, follows=turned), turned or _landed(way)
-        clauses.append(clause)
+        clauses.append(_clause(way, of_models=of_models, follows=turned))
+        turned = turned or (way.rollout is not None and turning(way.rollout).off is not None)
     text = "; ".join(clauses) + (_best(ways) if of_models else "")
     return f"{text[:1].upper()}{text[1:].removesuffix('.')}."
 
@@ -139,10 +139,6 @@ def rows(ways: Sequence[Way]) -> list[tuple[str, tuple[str, ...]]]:
         ("Outcome", tuple(map(_outcome, ways))),
     ]
     return found
-
-
-def _landed(way: Way) -> bool:
-    return way.rollout is not None and turning(way.rollout).off is not None
 
 
 def _clause(way: Way, *, of_models: bool, follows: bool) -> str:

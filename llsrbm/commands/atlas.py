@@ -114,7 +114,7 @@ def _map(jumps: Jumps, x: str, y: str, colour: Colour, at: Sequence[str]) -> Map
     across, up = _axis(jumps, "--x", x), _axis(jumps, "--y", y)
     if across.name == up.name:
         raise InputError(f'--x and --y: both are "{x}"; expected two different axes')
-    slices = dict(_slice(jumps, text) for text in at)
+    slices = dict(_value(text, lambda name: _axis(jumps, "--at", name)) for text in at)
     how = NEAREST if at else ALL
     return map_of(jumps, across, up, colour, projection=how, design=slices)
 
@@ -132,10 +132,6 @@ def _axis(jumps: Jumps, option: str, name: str) -> Axis:
             f'{option}: the sweep of {jumps.robot} has no axis "{name}"; {choices(name, axes)}'
         )
     return axes[name]
-
-
-def _slice(jumps: Jumps, text: str) -> tuple[str, float]:
-    return _value(text, lambda name: _axis(jumps, "--at", name))
 
 
 def _value(text: str, axis_of: Callable[[str], Axis]) -> tuple[str, float]:

@@ -252,7 +252,10 @@ class _BetweenKnots:
             first, last = plan.com_velocity[:-1], plan.com_velocity[1:]
         else:
             force, points = plan.contact_force[:-1], plan.contact_point[:-1]
-            first, last = (_moment(points, com, force) for com in (plan.com[:-1], plan.com[1:]))
+            first, last = (
+                np.cross(points - com[:, None], force).sum(axis=1)
+                for com in (plan.com[:-1], plan.com[1:])
+            )
         curve = Polynomials.between(np.diff(values, axis=0), first, last, np.diff(plan.time))
         return curve.plus(values[:-1]).at(instants.left, instants.share)
 
@@ -303,7 +306,3 @@ class _BetweenKnots:
             # Local, so that lift-off and touchdown do not ring through.
             return Akima1DInterpolator(plan.time, plan.joint_position, method="makima")
         return CubicHermiteSpline(plan.time, plan.joint_position, plan.joint_velocity)
-
-
-def _moment(points: Array, com: Array, forces: Array) -> Array:
-    return np.cross(points - com[:, None], forces).sum(axis=1)

@@ -164,11 +164,6 @@ def foot_geoms(robot: Robot) -> list[list[str]]:
     ]
 
 
-def link_geom(link: str, number: int) -> str:
-    """Name of the geom of a link's shape; `number` is unique among all shapes."""
-    return f"link/{link}/{number}"
-
-
 def block_body(name: str) -> str:
     """Name of a block's body, and of its geom."""
     return f"world/{name}"
@@ -344,7 +339,7 @@ def _add_links(spec: mujoco.MjSpec, robot: Robot, touch: dict[str, object]) -> N
             "sphere or mesh; expected one, or a fall on the trunk would go unnoticed"
         )
     bodies = moving_bodies(spec, robot)
-    names = [link_geom(shape.link, k) for k, shape in enumerate(links.shapes)]
+    names = [f"link/{shape.link}/{k}" for k, shape in enumerate(links.shapes)]
     for name, shape in zip(names, links.shapes, strict=True):
         form: dict[str, object]
         if shape.kind == "hull":

@@ -12,7 +12,6 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 import rerun_bindings
-from numpy.typing import NDArray
 
 from llsrbm.arrays import Array
 from llsrbm.errors import InputError
@@ -245,13 +244,10 @@ def _layout(shown: frozenset[str], height: float) -> bytes:
 def _send(
     recording: rr.RecordingStream, entity: str, time: Array, columns: Iterable[rr.ComponentColumn]
 ) -> None:
+    ns = np.round(time * 1e9).astype("timedelta64[ns]")
     recording.send_columns(
-        entity, indexes=[rr.TimeColumn(TIMELINE, duration=_ns(time))], columns=columns, strict=True
+        entity, indexes=[rr.TimeColumn(TIMELINE, duration=ns)], columns=columns, strict=True
     )
-
-
-def _ns(time: Array) -> NDArray[np.timedelta64]:
-    return np.round(time * 1e9).astype("timedelta64[ns]")
 
 
 def _xyzw(quat: Array) -> Array:

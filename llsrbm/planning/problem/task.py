@@ -263,10 +263,6 @@ class Task:
             origin=rows[0].origin,
         )
 
-    def landing_place(self, phase: int, leg: int) -> int:
-        """The place in which a foot stands in a phase, or stands next."""
-        return int(self.schedule.places_after[phase, leg])
-
     def edges(self, phase: int, leg: int) -> Edges:
         """Edges that a foot swinging in a phase crosses, as all feet would."""
         each = self.schedule.places_before, self.schedule.places_after

@@ -285,7 +285,7 @@ def _flying_foot(
     """(K, d) m, rad: x of a foot at the knots of the swing that begins with a phase."""
     s = np.arange(len(bodies)) / (len(bodies) - 1)
     stood, lands = task.footholds_before(phase), task.footholds_after(phase)
-    a, b = task.schedule[phase].place, int(task.landing_place(phase, leg))
+    a, b = task.schedule[phase].place, int(task.schedule.places_after[phase, leg])
     start, goal = task.places[a], task.places[b]
     shift = path.com(b) - path.com(a)
     turned = turns_about_z(s * (goal.heading - start.heading))
