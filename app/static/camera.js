@@ -1,7 +1,7 @@
 // The camera: views, following, a picture as a file; its buttons at the picture's top left, and the
 // backdrop behind the picture. A clip says what there is to look at (app/motion/clip.py, `CameraTarget`).
 (() => {
-  const { player, layout, element, addToPage, lacking, listenToKeys } = window.llsrbm;
+  const { player, layout, element, save, addToPage, lacking, listenToKeys } = window.llsrbm;
   const AROUND = [0.78, -0.82, 0.5]; // from the right, ahead and above
   const VIEWS = { front: [1, 0, 0.12], side: [0, -1, 0.12], top: [-1e-3, 0, 1], all: AROUND };
   const MARGIN = 0.06; // share of the picture's height that stays free around the robot
@@ -200,12 +200,8 @@
   }
 
   async function download() {
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(await photograph());
     const robot = player.clip?.request.robot?.split(/[\\/]/).at(-1).replace(/\.toml$/, "");
-    link.download = `${robot ?? "jump"}-${player.time.toFixed(2)}s.png`;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    save(await photograph(), `${robot ?? "jump"}-${player.time.toFixed(2)}s.png`);
   }
 
   // Called by the player with every clip. Another robot is looked at anew; as long as nobody has

@@ -19,10 +19,7 @@
   document.addEventListener("click", ({ target }) => {
     if (!(target instanceof Element)) return;
     const finding = target.closest(".llsrbm-certificate [data-seek]");
-    if (finding) {
-      player.pause();
-      player.seek(Number(finding.dataset.seek));
-    }
+    if (finding) player.goTo(Number(finding.dataset.seek));
     if (target.closest(".llsrbm-status b button")) {
       details()?.click();
       // On viser's tabs the pointer is for dragging: a key turns to one.

@@ -1,7 +1,7 @@
 // A card on top of the bar below the picture: a jump made in several ways, side by side. While they are
 // tried it says how far they are; then one sentence on who turned how far, and a table of figures.
 (() => {
-  const { page, element, addToPage } = window.llsrbm;
+  const { page, element, swatch, addToPage } = window.llsrbm;
   const COMPARES = "data-llsrbm-compares"; // of the page, while the card is there
   const HIGH = 1000; // pixels of a window from which on the table is open at first
 
@@ -32,11 +32,8 @@
   const close = () => page.send({ kind: "comparison-closed" });
   let open = null; // whether the table is, once it was opened or closed by hand
 
-  function way({ name, colour, state }) {
-    const square = element("i");
-    square.style.background = colour;
-    return element("li", { class: state }, square, name);
-  }
+  const way = ({ name, colour, state }) =>
+    element("li", { class: state }, swatch(colour), name);
 
   function figures(ways, rows) {
     const head = element("tr", {}, element("td"),

@@ -19,6 +19,17 @@
   llsrbm.shape = (kind, attributes = {}, ...children) =>
     fill(document.createElementNS(SVG, kind), attributes, children);
 
+  llsrbm.swatch = (colour) => {
+    const made = llsrbm.element("i");
+    made.style.background = colour;
+    return made;
+  };
+  // A file is saved from what is in memory.
+  llsrbm.save = (blob, name) => {
+    const link = llsrbm.element("a", { href: URL.createObjectURL(blob), download: name });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+  };
   // Text that changes many times a second: a text that is replaced would have the browser style the
   // whole page anew, for its rules with :has().
   llsrbm.write = (place, text) => {

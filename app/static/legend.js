@@ -1,6 +1,6 @@
 // A legend in the picture, above the player's bar: colours of what is drawn, and what they mean.
 (() => {
-  const { layout, element, addToPage } = window.llsrbm;
+  const { layout, element, swatch, addToPage } = window.llsrbm;
 
   const STYLE = `
     #llsrbm-legend { left: 10px; margin: 0; padding: 3px 9px; display: flex; flex-wrap: wrap;
@@ -27,11 +27,8 @@
 
   window.llsrbm.legend = {
     show(meanings) {
-      list.replaceChildren(...meanings.map(([colour, words]) => {
-        const line = element("i");
-        line.style.background = colour;
-        return element("li", {}, line, words);
-      }));
+      list.replaceChildren(...meanings.map(([colour, words]) =>
+        element("li", {}, swatch(colour), words)));
       place();
     },
   };

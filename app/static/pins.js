@@ -2,7 +2,7 @@
 // colour and name. A click makes a pin's design the present one, its cross lets go of it; another
 // button has the pinned robots stand beside the one that is shown, under the same camera.
 (() => {
-  const { page, layout, element, addToPage } = window.llsrbm;
+  const { page, layout, element, swatch, addToPage } = window.llsrbm;
 
   const STYLE = `
     #llsrbm-pins { top: 10px; right: 10px; max-width: 55%; display: flex; flex-wrap: wrap; gap: 4px;
@@ -24,10 +24,9 @@
   const press = (act, index) => page.send({ kind: "pin", act, index });
 
   function chip({ title, colour }, index) {
-    const swatch = element("i");
-    swatch.style.background = colour;
-    if (index < 0) return element("span", {}, swatch, element("span", { class: "name" }, title));
-    return element("span", {}, swatch,
+    if (index < 0)
+      return element("span", {}, swatch(colour), element("span", { class: "name" }, title));
+    return element("span", {}, swatch(colour),
       element("button", { type: "button", class: "name", title: `Use this design: ${title}`,
         "aria-label": `Use ${title}`, onclick: () => press("use", index) }, title),
       element("button", { type: "button", title: "Unpin", "aria-label": `Unpin ${title}`,

@@ -228,6 +228,11 @@
     settle();
   }
 
+  function goTo(instant) {
+    pause();
+    seek(instant);
+  }
+
   // ---- the server
 
   function report() {
@@ -267,12 +272,11 @@
       clip = null;
       changed();
     },
-    play, pause, seek, settle,
+    play, pause, seek, goTo, settle,
     toggle: () => (playing ? pause() : play()),
     // One step is a sixtieth of a second: the distance between a clip's instants.
     step(frames) {
-      if (playing) pause();
-      seek(time + frames / 60);
+      goTo(time + frames / 60);
     },
     setSpeed(value) {
       speed = value;

@@ -2,7 +2,7 @@
 // the chart shows, with its zoom. window.llsrbm.plotFigure.buttons(chart): two buttons that copy it to
 // the clipboard; where a page may not, it is saved as a file.
 (() => {
-  const { element, shape } = window.llsrbm;
+  const { element, shape, save } = window.llsrbm;
   const WIDTH = 88, HEIGHT = 56; // mm, of a column of two
   const POINTS = 72 / 25.4, DPI = 600; // a mm; of the PNG
   const LEFT = 32, RIGHT = 10, TOP = 14, UNDER = 24, LINE = 9; // points around the curves; of text
@@ -126,9 +126,7 @@
       await navigator.clipboard.write([new ClipboardItem(item)]);
       return "copied";
     } catch { // not allowed, or not over https
-      const link = element("a", { href: URL.createObjectURL(blob), download: `chart.${kind}` });
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+      save(blob, `chart.${kind}`);
       return "saved";
     }
   }

@@ -276,8 +276,7 @@
       if (Math.hypot(event.clientX - from[0], event.clientY - from[1]) > CLICK) return;
       const time = chart.posToVal(event.clientX - over.getBoundingClientRect().left, "x");
       if (!Number.isFinite(time)) return;
-      player.pause();
-      player.seek(time);
+      player.goTo(time);
     });
     over.addEventListener("mousemove", (event) => {
       pointed = chart;

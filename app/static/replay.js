@@ -1,7 +1,7 @@
 // A page that plays a motion from disk (app/replay.py): it gives the player its clip once viser has
 // drawn the scene, and shows title, outcome and switches of the layers.
 (() => {
-  const { element, player, addToPage } = window.llsrbm;
+  const { element, swatch, player, addToPage } = window.llsrbm;
   const WAIT = 30; // ms between looks whether viser has made its nodes
 
   const STYLE = `
@@ -29,12 +29,7 @@
     ...facts.layers.map(({ title, hint, colours, node }) => {
       const box = element("input", { type: "checkbox", checked: "",
         onchange: () => show(node, box.checked) });
-      const spots = colours.map((colour) => {
-        const spot = element("i");
-        spot.style.background = colour;
-        return spot;
-      });
-      return element("label", { title: hint }, box, title, ...spots);
+      return element("label", { title: hint }, box, title, ...colours.map(swatch));
     }));
   addToPage(STYLE, header, switches);
 

@@ -1,7 +1,7 @@
 // The charts of a replay, in the bar below its picture: lines over time, a cursor where the motion is,
 // and the values there. A press or a drag goes to that instant. Lines come from app/replay.py.
 (() => {
-  const { player, element, shape, write, addToPage } = window.llsrbm;
+  const { player, element, swatch, shape, write, addToPage } = window.llsrbm;
   const WIDE = 400, HIGH = 100; // units of a drawing, which is stretched
   const ROOM = [820, 600]; // pixels of a window in which they are open at first
 
@@ -55,17 +55,13 @@
     if (event.type === "pointermove" && !(event.buttons & 1)) return;
     const box = event.currentTarget.getBoundingClientRect();
     if (event.type === "pointerdown") event.currentTarget.setPointerCapture(event.pointerId);
-    player.pause();
-    player.seek(end * Math.min(1, Math.max(0, (event.clientX - box.left) / box.width)));
+    player.goTo(end * Math.min(1, Math.max(0, (event.clientX - box.left) / box.width)));
   }
 
   function chart({ title, lines }, flights) {
     const [made, now] = area(lines, flights), values = lines.map(() => element("span", {}, " "));
-    const keys = lines.map(({ colour, name }, i) => {
-      const key = element("i");
-      key.style.background = colour;
-      return element("span", { title: name }, key, values[i]);
-    });
+    const keys = lines.map(({ colour, name }, i) =>
+      element("span", { title: name }, swatch(colour), values[i]));
     drawn.push({ now, lines, values });
     return element("figure", {}, element("figcaption", {}, element("b", {}, title), ...keys), made);
   }

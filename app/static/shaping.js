@@ -148,8 +148,7 @@
   // A press that moves nothing goes to the instant, as everywhere in the timeline.
   function release({ type, clientX }) {
     if (type === "pointerup" && held && !held.moved) {
-      player.pause();
-      player.seek(clamp(timeline.timeBelow(clientX), 0, player.clip.end));
+      player.goTo(clamp(timeline.timeBelow(clientX), 0, player.clip.end));
     }
     held?.handle.made.classList.remove("held");
     held = null;

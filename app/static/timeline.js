@@ -2,7 +2,7 @@
 // a scale of time, and the range that is played again and again. Drag to scrub, turn the wheel to
 // zoom, drag the two handles (or with Shift) for the range; a double-click shows all again.
 (() => {
-  const { player, element } = window.llsrbm;
+  const { player, element, swatch } = window.llsrbm;
   const LANES = 2, LANE = 15, BESIDE = 6; // lines of labels above the strips; pixels
   const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5]; // s between the scale's numbers
   const LETTER = 7; // pixels of one, about
@@ -95,11 +95,7 @@
     const bars = computing(shown.bars);
     const rows = [...shown.rows.map(strip), ...bars];
     names.replaceChildren(
-      ...shown.rows.map(({ name, colour }) => {
-        const swatch = element("i");
-        swatch.style.background = colour;
-        return element("div", {}, name, swatch);
-      }),
+      ...shown.rows.map(({ name, colour }) => element("div", {}, name, swatch(colour))),
       ...bars.map(() => element("div", { class: "tall" }, "new plans")),
       element("div", {}, "time [s]"));
     // The plan's are placed first: they are there in every jump.
@@ -307,8 +303,7 @@
   function scrub({ clientX }) {
     const time = timeAt(clientX);
     if (anchor !== null) return setRange(Math.min(anchor, time), Math.max(anchor, time));
-    player.pause();
-    player.seek(time);
+    player.goTo(time);
   }
 
   new ResizeObserver(render).observe(track);
