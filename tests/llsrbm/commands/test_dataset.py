@@ -7,22 +7,17 @@ from llsrbm.commands import console
 from llsrbm.sweep import dataset
 
 
-def test_no_sweep_is_one_line(tmp_path, capsys):
+def test_no_sweep_is_one_line(tmp_path, refused):
     out = str(tmp_path / "out")
-    assert main(["dataset", str(tmp_path), "--format", "lerobot", "--out", out]) == 2
-    told = capsys.readouterr()
-    assert told.out == ""
-    assert told.err == (
-        f"llsrbm: {tmp_path}: no sweep is there; expected a folder that llsrbm sweep made\n"
-    )
+    line = refused("dataset", str(tmp_path), "--format", "lerobot", "--out", out)
+    assert line == f"{tmp_path}: no sweep is there; expected a folder that llsrbm sweep made\n"
 
 
 @pytest.mark.parametrize("missing", ["--format", "--out"])
-def test_what_has_to_be_given(tmp_path, capsys, missing):
+def test_what_has_to_be_given(tmp_path, refused, missing):
     given = {"--format": "npz", "--out": str(tmp_path / "out")}
     given.pop(missing)
-    assert main(["dataset", str(tmp_path), *next(iter(given.items()))]) == 2
-    assert missing in capsys.readouterr().err
+    assert missing in refused("dataset", str(tmp_path), *next(iter(given.items())))
 
 
 def test_options_and_result(tmp_path, capsys, monkeypatch):

@@ -90,11 +90,8 @@ def test_ideal_drives_are_a_flag(planner, simulator, tmp_path, flag, drives, cap
         (["simulate", "p.npz", "--design", "slider-box"], "--design: is for planning, but p.npz"),
     ],
 )
-def test_what_is_no_design_is_one_line(planner, arguments, complaint, capfd):
-    assert cli.main(arguments) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"llsrbm: {complaint}")
+def test_what_is_no_design_is_one_line(planner, arguments, complaint, refused):
+    assert refused(*arguments).startswith(complaint)
     assert not planner.requests
 
 

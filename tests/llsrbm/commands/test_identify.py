@@ -66,14 +66,12 @@ def test_its_lines(log, capsys):
         (["--robot", "anymal"], r"column q:FL_hip_joint: anymal has no such joint"),
     ],
 )
-def test_mistakes_are_told_in_one_line(options, message, log, tmp_path, capsys):
+def test_mistakes_are_told_in_one_line(options, message, log, tmp_path, refused):
     there = tmp_path / "robot.toml"
     there.write_text("name = 'mine'\n")
     filled = [each.format(log=log, there=there) for each in options]
-    assert main(["identify", str(log), *filled]) == 2
-    err = capsys.readouterr().err
-    assert re.search(message, err), err
-    assert err.count("\n") == 1
+    line = refused("identify", str(log), *filled)
+    assert re.search(message, line), line
     assert there.read_text() == "name = 'mine'\n"
 
 
@@ -96,8 +94,5 @@ def test_a_dry_run_of_an_excitation(capfd):
         (["--excite", "--robot", "go2", "--hung", "--seconds", "1"], "expected 5 to 600 s"),
     ],
 )
-def test_an_excitation_is_asked_for_in_full(arguments, message, capsys):
-    assert main(["deploy", *arguments]) == 2
-    err = capsys.readouterr().err
-    assert message in err
-    assert err.count("\n") == 1
+def test_an_excitation_is_asked_for_in_full(arguments, message, refused):
+    assert message in refused("deploy", *arguments)

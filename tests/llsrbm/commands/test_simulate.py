@@ -82,30 +82,23 @@ def test_a_draft_that_was_not_asked_for_is_told(planner, simulator, capsys, word
         ("--qp-solver nosuch", 'no QP solver "nosuch"'),
     ],
 )
-def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, capfd):
-    assert cli.main(["simulate", *words.split()]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"llsrbm: {said}")
+def test_what_makes_no_sense_is_refused_before_planning(planner, words, said, refused):
+    assert refused("simulate", *words.split()).startswith(said)
     assert not planner.requests
 
 
 @pytest.mark.parametrize("words", ["--twist 30", "--robot anymal", "--solver fatrop"])
-def test_a_file_and_a_jump_contradict_each_other(words, simulator, saved, capfd):
+def test_a_file_and_a_jump_contradict_each_other(words, simulator, saved, refused):
     """Even where the option says what is the default."""
-    assert cli.main(["simulate", str(saved), *words.split()]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert err.startswith(f"llsrbm: {words.split()[0]}: ")
+    line = refused("simulate", str(saved), *words.split())
+    assert line.startswith(f"{words.split()[0]}: ")
     assert not simulator.requests
 
 
-def test_a_rollout_is_no_plan(simulator, tmp_path, capfd):
-    synthetic_rollout().save(tmp_path / "r.npz")
-    assert cli.main(["simulate", str(tmp_path / "r.npz")]) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert err == f"llsrbm: {tmp_path / 'r.npz'}: holds a rollout; expected a plan\n"
+def test_a_rollout_is_no_plan(simulator, tmp_path, refused):
+    path = str(tmp_path / "r.npz")
+    synthetic_rollout().save(path)
+    assert refused("simulate", path) == f"{path}: holds a rollout; expected a plan\n"
 
 
 def test_json_is_one_object(simulator, saved, capfd):
