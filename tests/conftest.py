@@ -65,6 +65,22 @@ def pytest_collection_modifyitems(items):
             item.add_marker(pytest.mark.flaky(reruns=1))
 
 
+@pytest.fixture
+def refused(capfd):
+    """What a command says that refuses its words: one line, and nothing on stdout."""
+
+    from llsrbm import cli
+
+    def line_of(*words):
+        assert cli.main([*words]) == 2
+        out, err = capfd.readouterr()
+        assert (out, err.count("\n")) == ("", 1)
+        assert err.startswith("llsrbm: ")
+        return err.removeprefix("llsrbm: ")
+
+    return line_of
+
+
 def _file(nodeid):
     return nodeid.partition("::")[0]
 

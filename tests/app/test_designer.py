@@ -227,13 +227,10 @@ def test_only_a_server_for_everybody_warns(monkeypatch, capfd, host, token, warn
     ],
 )
 def test_options_that_cannot_be_are_one_line_and_nothing_is_served(
-    arguments, line, capfd, monkeypatch
+    arguments, line, refused, monkeypatch
 ):
     monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
-    assert cli.main(["serve", "--port", "0", *arguments]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert line in err
+    assert line in refused("serve", "--port", "0", *arguments)
 
 
 @contextlib.contextmanager

@@ -7,7 +7,6 @@ import pytest
 from app.designer import Designer
 from app.workers.file_reading import open_file
 from app.workers.opened_file import OpenedFile
-from llsrbm import cli
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -82,22 +81,16 @@ def test_another_tools_motion_is_pinned_beside_its_robots_example(served):
     ],
 )
 def test_a_bad_file_is_one_line_and_nothing_is_served(
-    tmp_path, monkeypatch, capfd, arguments, told
+    tmp_path, monkeypatch, refused, arguments, told
 ):
     monkeypatch.chdir(tmp_path)
     for name in ("bad.npz", "bad.json"):
         (tmp_path / name).write_bytes(b"bad")
     monkeypatch.setattr("app.workers.pool.WorkerPool", None)  # is not reached
-    assert cli.main(["serve", "--open", *arguments]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert told in err
+    assert told in refused("serve", "--open", *arguments)
 
 
-def test_a_folder_without_a_sweep_is_one_line_and_nothing_is_served(tmp_path, monkeypatch, capfd):
+def test_a_folder_without_a_sweep_is_one_line_and_nothing_is_served(tmp_path, monkeypatch, refused):
     monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
     monkeypatch.setattr("app.designer.serve", None)  # is not reached
-    assert cli.main(["serve", "--atlas", str(tmp_path)]) == 2
-    out, err = capfd.readouterr()
-    assert (out, err.count("\n")) == ("", 1)
-    assert "no jumps.parquet there" in err
+    assert "no jumps.parquet there" in refused("serve", "--atlas", str(tmp_path))

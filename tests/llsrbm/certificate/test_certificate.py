@@ -103,8 +103,7 @@ def test_the_table_and_the_exit_status(plan, tmp_path, capfd):
     assert out[0].split() == ["check", "worst", "allowed", "limit", "where", "time"]
 
 
-def test_what_is_no_motion_is_bad_input(tmp_path, capfd):
+def test_what_is_no_motion_is_bad_input(tmp_path, refused):
     path = tmp_path / "plan.npz"
     path.write_bytes(b"nothing")
-    assert cli.main(["check", str(path)]) == 2
-    assert len(capfd.readouterr().err.splitlines()) == 1
+    assert refused("check", str(path))

@@ -5,7 +5,6 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from llsrbm import cli
 from tests.llsrbm.synthetic import synthetic_plan
 
 
@@ -14,20 +13,6 @@ def saved(tmp_path_factory):
     path = tmp_path_factory.mktemp("cli") / "plan.npz"
     synthetic_plan().save(path)
     return path
-
-
-@pytest.fixture
-def refused(capfd):
-    """What a command says that refuses its words: one line, and nothing on stdout."""
-
-    def line_of(*words):
-        assert cli.main([*words]) == 2
-        out, err = capfd.readouterr()
-        assert (out, err.count("\n")) == ("", 1)
-        assert err.startswith("llsrbm: ")
-        return err.removeprefix("llsrbm: ")
-
-    return line_of
 
 
 @pytest.fixture
