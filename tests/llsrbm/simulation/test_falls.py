@@ -22,11 +22,6 @@ def ice(monkeypatch):
     monkeypatch.setattr(loop, "draw_disturbance", lambda *_: disturbance)
 
 
-def a_load_on_the_trunk(monkeypatch):
-    disturbance = Disturbance(trunk_mass_factor=3.4)
-    monkeypatch.setattr(loop, "draw_disturbance", lambda *_: disturbance)
-
-
 def weak_drives(monkeypatch):
     def weaker(robot, speed, torque):
         return 0.35 * torque_in_direction(robot, speed, torque)

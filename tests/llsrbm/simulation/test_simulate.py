@@ -173,19 +173,6 @@ def test_reports_the_motion_so_far_at_60_instants_a_second(monkeypatch, twist):
     np.testing.assert_allclose(qpos[:, 7:], twist.qpos[places, 7:][:, order], atol=1e-9)
 
 
-def test_a_robot_that_slips_falls_and_says_why(monkeypatch):
-    """On ice no controller lands a 30 cm jump."""
-    from llsrbm.motion.rollout import Disturbance
-    from llsrbm.simulation import simulate as module
-
-    monkeypatch.setattr(module, "draw_disturbance", lambda *_: Disturbance(friction=0.02))
-    outcome = run("forward").outcome
-    assert outcome.status == "fell"
-    assert not outcome.strict
-    assert outcome.reason
-    assert outcome.fell_at_s > 0.2
-
-
 @pytest.mark.parametrize("at", [0, 5])
 def test_a_simulation_that_diverges_early_is_a_fall_that_can_be_saved(at, monkeypatch, tmp_path):
     advance = World.advance
