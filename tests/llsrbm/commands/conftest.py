@@ -6,6 +6,7 @@ import pytest
 
 import llsrbm
 from tests.llsrbm.synthetic import synthetic_plan
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
 @pytest.fixture(scope="module")
@@ -17,8 +18,8 @@ def saved(tmp_path_factory):
 
 @pytest.fixture
 def planner(monkeypatch):
-    """`llsrbm.plan` that answers at once with the plan or the error put into the list."""
-    answers, requests = [], []
+    """`llsrbm.plan` that answers at once with the plan or the error put first into the list."""
+    answers, requests = [synthetic_plan()], []
 
     def plan(jump, **options):
         requests.append((jump, options))
@@ -34,8 +35,8 @@ def planner(monkeypatch):
 
 @pytest.fixture
 def simulator(monkeypatch):
-    """`llsrbm.simulate` that answers at once with the rollout or the error put into the list."""
-    answers, requests = [], []
+    """`llsrbm.simulate` that answers at once with the rollout or the error put first."""
+    answers, requests = [synthetic_rollout()], []
 
     def simulate(plan, scenario, *, progress):
         requests.append((plan, scenario))

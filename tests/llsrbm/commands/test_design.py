@@ -10,8 +10,6 @@ from llsrbm.request.design import Design, dump_design, examples
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
-from tests.llsrbm.synthetic import synthetic_plan
-from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 DESIGN = Design(
     Jump("go2", "srbm", twist=0.5, forward=0.2),
@@ -28,7 +26,6 @@ def file(tmp_path):
 
 
 def test_a_design_is_planned(planner, file, capsys):
-    planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--design", file]) == 0
     jump, options = planner.requests[0]
     assert jump == DESIGN.jump
@@ -36,7 +33,6 @@ def test_a_design_is_planned(planner, file, capsys):
 
 
 def test_options_override_a_design_even_with_a_default(planner, file, capsys):
-    planner.answers.append(synthetic_plan())
     words = "--robot anymal --twist 0 --height 0.1"
     assert cli.main(["plan", *words.split(), "--design", file]) == 0
     assert planner.requests[0][0] == Jump("anymal", "srbm", forward=0.2, height=0.1)
@@ -54,14 +50,11 @@ def test_options_override_a_designs_type(planner, tmp_path, words, changes, caps
     flip = Jump("go2", type="flip", pitch=math.tau, forward=0.2)
     path = tmp_path / "flip.jump.json"
     path.write_text(dump_design(Design(flip)))
-    planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--design", str(path), *words.split()]) == 0
     assert planner.requests[0][0] == replace(flip, **changes)
 
 
 def test_a_design_is_simulated_in_its_scenario(planner, simulator, file, capsys):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", "--design", file]) == 0
     assert planner.requests[0][0] == DESIGN.jump
     assert planner.requests[0][1]["limits"] == {"friction": 0.4}
@@ -75,8 +68,6 @@ def test_ideal_drives_are_a_flag(planner, simulator, tmp_path, flag, drives, cap
     path = tmp_path / "other.jump.json"
     other = {"ideal": "true", "true": "ideal"}[drives]
     path.write_text(dump_design(replace(DESIGN, scenario=Scenario(seed=7, drives=other))))
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", flag, "--design", str(path)]) == 0
     assert simulator.requests[0][1] == Scenario(seed=7, drives=drives)
 

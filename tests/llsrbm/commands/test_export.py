@@ -39,33 +39,34 @@ def picture(monkeypatch):
     return asked
 
 
-def refused(capfd, folder, *arguments):
-    """What `llsrbm export` says; a folder that it leaves as it was."""
-    before = sorted(folder.rglob("*"))
-    assert cli.main(["export", *map(str, arguments)]) == 2
-    out, err = capfd.readouterr()
-    assert out == ""
-    assert err.startswith("llsrbm: ")
-    assert err.count("\n") == 1
-    assert sorted(folder.rglob("*")) == before
-    return err
+@pytest.fixture
+def unexported(refused, tmp_path):
+    """What `llsrbm export` says; it leaves the folder as it was."""
+
+    def line_of(*arguments):
+        before = sorted(tmp_path.rglob("*"))
+        said = refused("export", *map(str, arguments))
+        assert sorted(tmp_path.rglob("*")) == before
+        return said
+
+    return line_of
 
 
-def test_no_format_or_no_place(saved, tmp_path, capfd):
-    assert "--format" in refused(capfd, tmp_path, saved, "--out", tmp_path / "x")
-    assert "--out" in refused(capfd, tmp_path, saved, "--format", "csv")
+def test_no_format_or_no_place(saved, tmp_path, unexported):
+    assert "--format" in unexported(saved, "--out", tmp_path / "x")
+    assert "--out" in unexported(saved, "--format", "csv")
 
 
-def test_several_formats_in_one_file(saved, tmp_path, capfd):
+def test_several_formats_in_one_file(saved, tmp_path, unexported):
     both = ("--format", "csv", "--format", "npz")
-    said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x.csv", *both)
+    said = unexported(saved, "--out", tmp_path / "x.csv", *both)
     assert "2 formats do not fit into one file; expected a path that ends in .zip" in said
 
 
-def test_packages_that_are_missing(saved, picture, tmp_path, capfd, monkeypatch):
+def test_packages_that_are_missing(saved, picture, tmp_path, unexported, capfd, monkeypatch):
     extra = Extra("pictures", ("no_such_module_anywhere",))
     monkeypatch.setitem(FORMATS, "picture", replace(FORMATS["picture"], extra=extra))
-    said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "picture")
+    said = unexported(saved, "--out", tmp_path / "x", "--format", "picture")
     assert 'pip install "llsrbm[pictures]"' in said
     assert cli.main(["formats"]) == 0
     line = capfd.readouterr().out.splitlines()[-1]
@@ -75,17 +76,17 @@ def test_packages_that_are_missing(saved, picture, tmp_path, capfd, monkeypatch)
 @pytest.mark.parametrize(
     "option", [("--packed",), ("--pad", "1"), ("--order", "depth-first"), ("--size", "2x2")]
 )
-def test_an_option_that_the_format_does_not_take(saved, tmp_path, capfd, option):
-    said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "csv", *option)
+def test_an_option_that_the_format_does_not_take(saved, tmp_path, unexported, option):
+    said = unexported(saved, "--out", tmp_path / "x", "--format", "csv", *option)
     assert f'{option[0][2:]}: is not for format "csv"; its options are fps' in said
-    said = refused(capfd, tmp_path, saved, "--out", tmp_path / "x", "--format", "npz", *option)
+    said = unexported(saved, "--out", tmp_path / "x", "--format", "npz", *option)
     assert "it has no options" in said
 
 
 @pytest.mark.parametrize("fps", ["0", "nan", "20000", "fast"])
-def test_a_rate_that_makes_no_sense(saved, tmp_path, capfd, fps):
+def test_a_rate_that_makes_no_sense(saved, tmp_path, unexported, fps):
     out = tmp_path / "x.csv"
-    said = refused(capfd, tmp_path, saved, "--out", out, "--format", "csv", "--fps", fps)
+    said = unexported(saved, "--out", out, "--format", "csv", "--fps", fps)
     assert "fps" in said
 
 
@@ -96,9 +97,9 @@ def test_a_rate_that_makes_no_sense(saved, tmp_path, capfd, fps):
         *(f"camera={camera}" for camera in ("", "1,2", "a,b,c", "1,2,0", "nan,0,1")),
     ],
 )
-def test_a_size_or_a_camera_that_makes_no_sense(saved, picture, tmp_path, capfd, given):
+def test_a_size_or_a_camera_that_makes_no_sense(saved, picture, tmp_path, unexported, given):
     arguments = ("--out", tmp_path / "x.pic", "--format", "picture", f"--{given}")
-    assert given.partition("=")[0] in refused(capfd, tmp_path, saved, *arguments)
+    assert given.partition("=")[0] in unexported(saved, *arguments)
     assert not picture
 
 

@@ -25,7 +25,6 @@ PLAN_KEYS = [
 
 
 def test_options_become_a_request_in_radians(planner, capsys):
-    planner.answers.append(synthetic_plan())
     words = "--robot anymal --model srbm --twist -90 --forward 0.2 --lateral -0.1 --height 0.1"
     assert cli.main(["plan", *words.split(), "--solver", "ipopt"]) == 0
     jump, options = planner.requests[0]
@@ -57,7 +56,6 @@ def test_options_become_a_request_in_radians(planner, capsys):
     ],
 )
 def test_a_silent_request_is_the_types(planner, words, jump):
-    planner.answers.append(synthetic_plan())
     assert cli.main(["plan", *words.split()]) == 0
     assert planner.requests[0][0] == jump
 
@@ -98,7 +96,6 @@ def test_a_turn_that_the_robot_does_not_do_is_bad_input_at_once(words, said, ref
 
 @pytest.mark.parametrize(("words", "draft"), [("", False), ("--draft", True)])
 def test_a_draft_is_made_where_it_is_asked_for(planner, capsys, words, draft):
-    planner.answers.append(synthetic_plan())
     assert cli.main(["plan", *words.split()]) == 0
     assert planner.requests[0][1]["draft"] is draft
     assert "a draft: its drives were looked at in knots only\n" in capsys.readouterr().out
@@ -115,7 +112,7 @@ def test_types_are_listed(capsys):
 
 def test_json_is_one_object_with_the_contracts_keys(planner, capfd):
     plan = synthetic_plan(twist=-math.pi)
-    planner.answers.append(plan)
+    planner.answers[0] = plan
     assert cli.main(["plan", "--json"]) == 0
     out, err = capfd.readouterr()
     assert out.count("\n") == 1
@@ -143,7 +140,6 @@ def test_json_is_one_object_with_the_contracts_keys(planner, capfd):
 
 
 def test_json_keeps_compiled_libraries_off_stdout(planner, capfd, monkeypatch):
-    planner.answers.append(synthetic_plan())
     inner = llsrbm.plan
 
     def noisy(jump, **options):
@@ -162,7 +158,7 @@ def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
     report = replace(plan.report, status="not-converged", cost=math.nan)
     plan = replace(plan, report=report)
     said = "friction is violated by 3 N in the landing"
-    planner.answers.append(NotConverged(said, plan))
+    planner.answers[0] = NotConverged(said, plan)
     assert cli.main(["plan", "--json", "--out", str(tmp_path / "p.npz")]) == 1
     out, err = capfd.readouterr()
     result = json.loads(out, parse_constant=pytest.fail)
@@ -174,7 +170,6 @@ def test_not_converged_is_exit_1_with_the_plan(planner, capfd, tmp_path):
 
 
 def test_summary_for_a_person(planner, capsys):
-    planner.answers.append(synthetic_plan())
     assert cli.main(["plan", "--twist", "90"]) == 0
     out = capsys.readouterr().out
     assert "llsrbm-plus: twist 90°, forward 0.00 m, lateral 0.00 m, height 0.00 m\n" in out
@@ -186,7 +181,7 @@ def test_summary_for_a_person(planner, capsys):
 
 
 def test_the_planners_refusal_is_exit_2(planner, capsys):
-    planner.answers.append(InputError("forward 50 m\nis out of range"))
+    planner.answers[0] = InputError("forward 50 m\nis out of range")
     assert cli.main(["plan"]) == 2
     assert capsys.readouterr().err == "llsrbm: forward 50 m is out of range\n"
 

@@ -21,7 +21,6 @@ from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
 def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
-    simulator.answers.append(synthetic_rollout())
     words = "--board 0.025 --half-board --seed 7 --noise 0.5 --detector norm --landing planned"
     words += " --trunk-mass -0.12"
     out = tmp_path / "r.npz"
@@ -34,7 +33,6 @@ def test_a_file_is_simulated_as_it_is(simulator, saved, capsys, tmp_path):
 
 
 def test_pushes_are_repeated_options(simulator, saved, capsys):
-    simulator.answers.append(synthetic_rollout())
     words = "--push 0.4,0,12,0 --push 0.5,1,2,3,-1,-2,-3 --random-push 8 --estimator drift --replan"
     words += " --replan-latency measured"
     assert cli.main(["simulate", str(saved), *words.split()]) == 0
@@ -48,8 +46,6 @@ def test_pushes_are_repeated_options(simulator, saved, capsys):
 
 
 def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
     words = "--robot anymal --model srbm --twist -90 --forward 0.2 --lateral -0.1 --height 0.1"
     assert cli.main(["simulate", *words.split(), "--solver", "ipopt"]) == 0
     jump, options = planner.requests[0]
@@ -62,8 +58,6 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
 
 @pytest.mark.parametrize(("words", "said"), [((), True), (("--draft",), False)])
 def test_a_draft_that_was_not_asked_for_is_told(planner, simulator, capsys, words, said):
-    planner.answers.append(synthetic_plan())
-    simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", *words]) == 0
     assert planner.requests[0][1]["draft"] is bool(words)
     remark = "llsrbm: the plan is a draft: its drives were looked at in knots only\n"
@@ -103,7 +97,7 @@ def test_a_rollout_is_no_plan(simulator, tmp_path, refused):
 
 def test_json_is_one_object(simulator, saved, capfd):
     rollout = synthetic_rollout(seed=7)
-    simulator.answers.append(rollout)
+    simulator.answers[0] = rollout
     assert cli.main(["simulate", str(saved), "--json"]) == 0
     out, err = capfd.readouterr()
     assert out.count("\n") == 1
@@ -112,7 +106,7 @@ def test_json_is_one_object(simulator, saved, capfd):
 
 
 def test_a_fall_is_exit_1_with_when_and_why(simulator, saved, capfd, tmp_path):
-    simulator.answers.append(synthetic_rollout(fell_at=1.25))
+    simulator.answers[0] = synthetic_rollout(fell_at=1.25)
     out_file = tmp_path / "r.npz"
     assert cli.main(["simulate", str(saved), "--json", "--out", str(out_file)]) == 1
     out, err = capfd.readouterr()
@@ -130,7 +124,7 @@ def test_a_fall_is_exit_1_with_when_and_why(simulator, saved, capfd, tmp_path):
 
 def test_summary_for_a_person(simulator, saved, capsys):
     scenario = Scenario(board=0.025, half_board=True, seed=7)
-    simulator.answers.append(replace(synthetic_rollout(), scenario=scenario))
+    simulator.answers[0] = replace(synthetic_rollout(), scenario=scenario)
     assert cli.main(["simulate", str(saved)]) == 0
     out, err = capsys.readouterr()
     assert err == ""
@@ -142,7 +136,6 @@ def test_summary_for_a_person(simulator, saved, capsys):
 
 def test_a_waiting_person_sees_how_far_it_is(simulator, saved, capsys, monkeypatch):
     monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
-    simulator.answers.append(synthetic_rollout())
     assert cli.main(["simulate", str(saved)]) == 0
     assert "simulating  50 %" in capsys.readouterr().err
 
