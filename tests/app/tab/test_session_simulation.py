@@ -51,26 +51,6 @@ def test_a_fall_is_told_and_drawn(tab, session, script):
     assert "fell" in [mark["name"] for mark in script.events["marks"]]
 
 
-@pytest.mark.parametrize(
-    ("label", "value", "told"),
-    [
-        (
-            "Board under the feet [mm]",
-            999,
-            "Board under the feet [mm]: expected 0 to 70, got 999; the nearest is taken",
-        ),
-        ("Seed", -3, "Seed: expected 0 to 9999, got -3; the nearest is taken"),
-    ],
-)
-def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, told):
-    tab.set("Disturb", True)
-    tab.set(label, value)
-    tab.press("Simulate")
-    tab.wait(lambda: tab.notifications, "a notification")
-    assert tab.notifications[0] == ("Corrected", told)
-    tab.wait_for_status("Landed")
-
-
 def test_half_of_no_board_is_no_board(tab, session):
     tab.set("Half board", True)
     simulate(tab, session)
