@@ -75,6 +75,13 @@ def closing(socket):
         return closed.rcvd and closed.rcvd.code
 
 
+def assert_answered(page, tab):
+    """Whatever else is sent, what this tab presses is heard."""
+    tab.press("Save design")
+    while page.next() != ("save",):
+        pass
+
+
 # ---- counting
 
 
@@ -149,9 +156,7 @@ def test_silent_tabs_make_room_for_others_and_are_closed(page, door, caplog):
         assert len(door.tabs) <= SMALL.tabs_per_peer
         closing(silent[0])
         wait_until(lambda: len(door.tabs) == 1, "the end of all that send nothing")
-        honest.press("Save design")
-        while page.next() != ("save",):
-            pass
+        assert_answered(page, honest)
     assert "refused 127.0.0.1: a tab sent nothing for 2.5 s; closed" in noted(caplog)
 
 
@@ -191,9 +196,7 @@ def test_a_tab_that_floods_is_slowed_down_and_closed(page, door, caplog):
             while True:
                 flooding.send(message)
         assert closing(flooding) in (1008, None)
-        honest.press("Save design")
-        while page.next() != ("save",):
-            pass
+        assert_answered(page, honest)
         wait_until(lambda: len(page.server.get_clients()) == 1, "its end")
     assert noted(caplog) == ["refused 127.0.0.1: too many messages; closed"]
 
@@ -253,9 +256,7 @@ def test_malformed_frames_close_their_connection_and_no_other(page, door, caplog
             with opened(page) as bad:
                 bad.socket.sendall(frame)
                 closing(bad)
-        honest.press("Save design")
-        while page.next() != ("save",):
-            pass
+        assert_answered(page, honest)
     assert all(not record.exc_info for record in caplog.records)
 
 
@@ -332,9 +333,7 @@ def test_ten_thousand_of_a_kind_are_one_line(page, door, caplog):
             tab.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": "x"}})
             asked(page.port, host="evil.example")
             sent(page.port, b"BREW / HTTP/1.1\r\n\r\n")
-        tab.press("Save design")
-        while page.next() != ("save",):
-            pass
+        assert_answered(page, tab)
     assert len(noted(caplog)) == len(set(noted(caplog))) == 3
     assert all(not record.exc_info for record in caplog.records)
 
