@@ -8,6 +8,7 @@ import pytest
 
 from llsrbm import processors
 from llsrbm.processors import usable_processors
+from tests.llsrbm.processes import printed
 
 CODE = """
 import os
@@ -20,8 +21,7 @@ print(usable_processors(), PROCESSES)
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="no affinity on this system")
 def test_a_process_counts_the_processors_that_it_may_use():
-    done = subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["1", "2"]
+    assert printed(CODE).split() == ["1", "2"]
 
 
 @pytest.mark.parametrize(

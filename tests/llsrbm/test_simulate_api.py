@@ -1,6 +1,5 @@
 """`llsrbm.simulate`: what it accepts, and what it hands on to the simulator."""
 
-import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -77,30 +76,17 @@ def test_everything_reaches_the_simulator(plan, calls):
 
 
 @pytest.mark.parametrize(
-    ("given", "seed", "noise"),
-    [
-        ({}, None, None),
-        ({"seed": 4}, 4, 1.0),
-        ({"noise": 2}, 0, 2.0),
-        ({"noise": 1.0}, 0, 1.0),
-        ({"noise": 0.0}, 0, 0.0),
-        ({"seed": 4, "noise": 3}, 4, 3.0),
-    ],
+    ("given", "expected"), [({"seed": 4}, (4, 1.0)), ({"noise": 0.0}, (0, 0.0))]
 )
-def test_seed_and_noise_imply_each_other(plan, calls, given, seed, noise):
+def test_a_seed_or_a_noise_alone_disturbs(plan, calls, given, expected):
     llsrbm.simulate(plan, **given)
-    assert (calls[0].scenario.seed, calls[0].scenario.noise) == (seed, noise)
+    assert (calls[0].scenario.seed, calls[0].scenario.noise) == expected
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
         ({"board": -0.01}, "board: expected 0 to 1 m, got -0.01"),
-        ({"board": math.nan}, "board: expected a finite number"),
-        ({"half_board": True}, "half board: expected the board's thickness"),
-        ({"seed": -1}, "seed: expected a whole number from 0 on, got -1"),
-        ({"noise": -0.1}, "noise: expected 0 to 3, got -0.1"),
-        ({"trunk_mass": 0.6}, "trunk mass: expected -0.5 to 0.5 of it, got 0.6"),
         ({"sead": 3}, 'unknown field "sead"; did you mean "seed"? valid: board, half_board, seed'),
         ({"detector": "nosuch"}, "residual, norm"),
         ({"landing": "nosuch"}, "auto, scaled, planned, tracking"),

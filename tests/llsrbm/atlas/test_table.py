@@ -1,6 +1,3 @@
-import subprocess
-import sys
-
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -10,6 +7,7 @@ from llsrbm.atlas.jumps import FALLS
 from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
 from llsrbm.errors import InputError
 from tests.llsrbm.atlas.tables import can, grid, row, stopped, write
+from tests.llsrbm.processes import printed
 
 
 def test_jumps_of_a_robot_with_what_was_asked_and_what_varies(tmp_path):
@@ -88,9 +86,7 @@ sys.modules["pyarrow"] = None
 from llsrbm.atlas.table import read_atlas
 read_atlas(Path(sys.argv[1]))
 """
-    command = [sys.executable, "-c", script, str(tmp_path / "small.npz")]
-    ended = subprocess.run(command, capture_output=True, text=True)
-    assert ended.returncode == 0, ended.stderr
+    printed(script, tmp_path / "small.npz")
 
 
 def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):

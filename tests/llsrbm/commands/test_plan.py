@@ -12,7 +12,7 @@ import llsrbm
 from llsrbm import cli
 from llsrbm.errors import InputError, NotConverged
 from llsrbm.motion.trajectory import load
-from tests.llsrbm.commands.process import run
+from tests.llsrbm.processes import run
 from tests.llsrbm.synthetic import synthetic_plan
 
 # As the contract has them, in its order.

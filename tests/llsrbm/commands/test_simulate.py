@@ -15,7 +15,7 @@ from llsrbm.analysis.summaries import rollout_summary
 from llsrbm.analysis.wording import rollout_rows
 from llsrbm.motion.trajectory import load
 from llsrbm.request.scenario import Push, Scenario
-from tests.llsrbm.commands.process import run
+from tests.llsrbm.processes import run
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 

@@ -2,7 +2,6 @@
 
 import ctypes
 import shutil
-import subprocess
 import sys
 
 import numpy as np
@@ -10,6 +9,7 @@ import pytest
 
 from llsrbm.ocp.compiled import compiler
 from llsrbm.ocp.fatrop_patches import KERNEL, compiled, product
+from tests.llsrbm.processes import printed
 
 pytestmark = pytest.mark.skipif(
     shutil.which("cc") is None or not sys.platform.startswith("linux"), reason="no C compiler"
@@ -20,19 +20,6 @@ pytestmark = pytest.mark.skipif(
 def switched_on(monkeypatch, tmp_path):
     monkeypatch.setenv("LLSRBM_COMPILE", "1")
     monkeypatch.setenv("LLSRBM_CACHE", str(tmp_path))
-
-
-def printed(script, *arguments):
-    """By a process of its own: what is replaced stays so in this one."""
-    done = subprocess.run(
-        [sys.executable, "-c", script, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=60,
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout.split()
 
 
 def test_product(tmp_path):
@@ -65,7 +52,9 @@ print(*solver.solve(problem(0.9, drag=0.5), np.zeros(3 * INTERVALS + 2)).variabl
 
 
 def test_solutions_are_the_same(tmp_path):
-    original, patched = (np.array(printed(SOLUTION, w), float) for w in ("original", "patched"))
+    original, patched = (
+        np.array(printed(SOLUTION, w).split(), float) for w in ("original", "patched")
+    )
     assert len([*tmp_path.glob("kernel/*")]) == 2
     assert patched.size == original.size > 20
     np.testing.assert_allclose(patched, original, atol=1e-9)
@@ -88,7 +77,7 @@ for weight in (1.0, -1e200, 1.0):
 
 
 def test_an_endless_search_is_given_up():
-    assert printed(ENDLESS)[-3:] == ["True0", "False1", "True1"]
+    assert printed(ENDLESS).split()[-3:] == ["True0", "False1", "True1"]
 
 
 # A cost that falls for ever.
@@ -119,4 +108,4 @@ except Cancelled:
 
 
 def test_a_cancelled_solve_ends():
-    assert printed(CANCELLED)[-1] == "True"
+    assert printed(CANCELLED).split()[-1] == "True"

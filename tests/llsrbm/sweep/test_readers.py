@@ -1,10 +1,8 @@
 """The folder of parts is opened by others, in processes that do not know this project."""
 
-import subprocess
-import sys
-
 import pytest
 
+from tests.llsrbm.processes import printed
 from tests.llsrbm.sweep.specs import filled, without_planning
 
 PANDAS = """
@@ -43,11 +41,4 @@ def folder(tmp_path_factory):
 def test_others_open_it(folder, program):
     names = f"path = {str(folder / 'jumps.parquet')!r}\n"
     alone = "\nimport sys\nassert not any(n.startswith('llsrbm') for n in sys.modules)\n"
-    done = subprocess.run(
-        [sys.executable, "-c", names + program + alone],
-        capture_output=True,
-        text=True,
-        cwd=folder,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    printed(names + program + alone, cwd=folder)

@@ -1,8 +1,6 @@
 """What a kept solver depends on."""
 
 import shutil
-import subprocess
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -24,6 +22,7 @@ from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compil
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.ocp.cart import INTERVALS, horizon, problem
+from tests.llsrbm.processes import printed
 
 PACKAGE = Path(llsrbm.__file__).parent
 
@@ -42,9 +41,7 @@ def original():
 
 def elsewhere():
     """By another process, where sets are in another order."""
-    code = f"from {__name__} import fingerprint\nprint(fingerprint())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    return done.stdout.strip()
+    return printed(f"from {__name__} import fingerprint\nprint(fingerprint())").strip()
 
 
 def test_equal_problems_have_equal_fingerprints(original):
