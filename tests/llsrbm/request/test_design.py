@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.request.design import LARGEST, Design, dump_design, file_name, load_design
 from llsrbm.request.jump import ARMS, Jump
-from llsrbm.request.scenario import Push, Scenario
+from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
+from tests.llsrbm.request.scenarios import scenarios
 
 TWIST = Jump(twist=math.pi / 2)
 
@@ -23,29 +24,11 @@ tables = st.dictionaries(names, st.floats(-1e9, 1e9), max_size=5)
 jumps = st.builds(
     Jump, names, names, amounts, amounts, amounts, amounts, arms=st.sampled_from(ARMS)
 )
-vectors = st.tuples(*[st.floats(-25, 25)] * 3)
-scenarios = st.builds(
-    Scenario,
-    board=st.floats(0.001, 1),
-    half_board=st.booleans(),
-    seed=st.none() | st.integers(0, 2**53 - 1),
-    noise=st.none() | st.floats(0, 3),
-    detector=names,
-    landing=names,
-    solver=names,
-    trunk_mass=st.none() | st.floats(-0.5, 0.5),
-    drives=names,
-    pushes=st.lists(st.builds(Push, st.floats(0, 3), vectors, vectors), max_size=2).map(tuple),
-    random_push=st.none() | st.floats(0, 100),
-    estimator=names,
-    replan=st.booleans(),
-    replan_latency=names,
-)
 designs = st.builds(
     Design,
     jumps,
     st.builds(Tuning, tables, tables),
-    scenarios | st.just(Scenario()),
+    scenarios(names, 2**53 - 1) | st.just(Scenario()),
     title=st.text(printable, max_size=80),
     note=st.text(printable, max_size=400),
 )

@@ -12,32 +12,15 @@ from hypothesis import strategies as st
 import llsrbm
 from llsrbm.errors import InputError
 from llsrbm.request.messages import Number, field_specs
-from llsrbm.request.scenario import LARGEST_IMPULSE, MOST_NOISE, Push, Scenario
+from llsrbm.request.scenario import MOST_NOISE, Push, Scenario
 from tests.llsrbm.processes import assert_spares
+from tests.llsrbm.request.scenarios import scenarios
 
 PUSH = {"time": 0.4, "impulse": (0.0, 12.0, 0.0)}
 NAMES = st.sampled_from(["residual", "norm", "auto", "mine"])
 NUMBERS = {
     name: meaning for name, meaning in field_specs(Scenario).items() if isinstance(meaning, Number)
 }
-VECTORS = st.tuples(*[st.floats(-25, 25)] * 3)
-PUSHES = st.builds(Push, time=st.floats(0, 3), impulse=VECTORS, moment=VECTORS)
-SCENARIOS = st.builds(
-    Scenario,
-    board=st.floats(0.001, 1),
-    half_board=st.booleans(),
-    seed=st.none() | st.integers(0, 2**70),
-    noise=st.none() | st.floats(0, MOST_NOISE),
-    detector=NAMES,
-    landing=NAMES,
-    solver=NAMES,
-    trunk_mass=st.none() | st.floats(-0.5, 0.5),
-    pushes=st.lists(PUSHES, max_size=3).map(tuple),
-    random_push=st.none() | st.floats(0, LARGEST_IMPULSE),
-    estimator=NAMES,
-    replan=st.booleans(),
-    replan_latency=NAMES,
-)
 
 
 def refused(**given):
@@ -128,7 +111,7 @@ def test_pushes_of_a_file_are_pushes():
     assert json.loads(json.dumps(stated))["pushes"] == [table, table]
 
 
-@given(SCENARIOS)
+@given(scenarios(NAMES, 2**70))
 def test_what_is_stated_asks_for_it(scenario):
     stated = scenario.stated()
     assert Scenario(**stated) == Scenario().but(**stated) == scenario
