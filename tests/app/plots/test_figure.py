@@ -27,17 +27,6 @@ from app.plots.figure import ABOVE, figure
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
-from tests.llsrbm.synthetic_rollout import synthetic_rollout
-
-
-@pytest.fixture(scope="module")
-def planned():
-    return bake_plan(synthetic_plan(Jump(twist=1.0)), load_robot("anymal"))
-
-
-@pytest.fixture(scope="module")
-def rollout(planned):
-    return synthetic_rollout(planned.plan)
 
 
 @pytest.fixture(scope="module")

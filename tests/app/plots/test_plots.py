@@ -46,6 +46,10 @@ class PlotPage:
     def draw(self, layers, choice, **how):
         self.plots.draw(layers, 1.3, choice, **how)
 
+    def draw_overview(self, layers):
+        self.draw(layers, DEFAULT)
+        self.tab.wait(lambda: len(charts(self.tab)) == 4, "the overview")
+
 
 @pytest.fixture(scope="module")
 def served():
@@ -67,18 +71,12 @@ def page(served):
 
 
 @pytest.fixture(scope="module")
-def planned():
-    return bake_plan(synthetic_plan(Jump(twist=1.0)), load_robot("anymal"))
-
-
-@pytest.fixture(scope="module")
 def layers(planned):
     return shown_layers(planned, None)
 
 
 def test_only_chosen_charts_are_sent(page, layers):
-    page.draw(layers, DEFAULT)
-    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw_overview(layers)
     page.draw(layers, PRESETS["CoM position"])
     titles = [f"CoM position, {axis} [m]" for axis in "xyz"]
     page.tab.wait(lambda: list(charts(page.tab)) == titles, "three charts")
@@ -89,8 +87,7 @@ def test_only_chosen_charts_are_sent(page, layers):
 
 
 def test_nothing_is_sent_where_nothing_changed(page, layers, planned):
-    page.draw(layers, DEFAULT)
-    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw_overview(layers)
     drawn = page.tab.received["GuiUpdateMessage"]
     page.draw(layers, DEFAULT)
     # Layers that were made anew of the same motions.
@@ -104,20 +101,17 @@ def test_nothing_is_sent_where_nothing_changed(page, layers, planned):
 
 
 def test_a_closed_area_gets_no_data(page, layers):
-    page.draw(layers, DEFAULT)
-    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw_overview(layers)
     before = page.tab.received[MINIMISED]
     page.draw(layers, replace(DEFAULT, open=False))
     page.tab.wait(lambda: page.tab.received[MINIMISED] == before + 1, "minimised")
     assert charts(page.tab) == {}
-    page.draw(layers, DEFAULT)
-    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw_overview(layers)
     assert page.tab.received[MINIMISED] == before + 2
 
 
 def test_what_the_page_closed_is_not_closed_again(page, layers):
-    page.draw(layers, DEFAULT)
-    page.tab.wait(lambda: len(charts(page.tab)) == 4, "the overview")
+    page.draw_overview(layers)
     before = page.tab.received[MINIMISED]
     page.draw(layers, replace(DEFAULT, open=False), area_open=False)
     page.tab.wait(lambda: charts(page.tab) == {}, "no charts")
