@@ -11,7 +11,7 @@ class Node(SimpleNamespace):
     """What was made of a node, and every change of it afterwards."""
 
     def __init__(self, scene, kind, name, **made):
-        super().__init__(kind=kind, name=name, visible=True, removed=False, **made)
+        super().__init__(kind=kind, name=name, visible=True, **made)
         object.__setattr__(self, "_scene", scene)
 
     def __setattr__(self, prop: str, value: Any) -> None:
@@ -21,7 +21,6 @@ class Node(SimpleNamespace):
         vars(self)[prop] = value
 
     def remove(self):
-        self.removed = True
         inside = [name for name in self._scene.nodes if f"{name}/".startswith(f"{self.name}/")]
         for name in inside:
             del self._scene.nodes[name]
