@@ -34,7 +34,7 @@ _log = logging.getLogger(__name__)
 
 ENVIRONMENT_VARIABLE = "LLSRBM_COMPILE"  # 0: never compile, and use nothing that is compiled
 
-# For both of Go2's solvers -Og takes 57 s of processor and -O1 100, for 0 to 9 % less time to solve;
+# For both of Go2's solvers -Og takes 57 s of processor, -O1 100, for 0 to 9 % less time to solve;
 # -O2 takes five times as long as that, for 5 % less again. Without contraction every machine gets
 # the numbers that CasADi's own evaluation gives.
 _OPTIONS = (
