@@ -10,6 +10,7 @@ import multiprocessing
 import signal
 import threading
 from collections.abc import Callable, Iterator
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
 from multiprocessing.reduction import ForkingPickler
@@ -52,6 +53,7 @@ class Process:
     def run(self) -> Iterator[Message]:
         """Start it and wait for messages, `Ready` first; raises `Ended` once it has gone."""
         # Ctrl-C reaches every process of the terminal; the server decides when this one ends.
+        resource_tracker.ensure_running()  # as it begins it lets SIGINT through again
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})  # which the process inherits
         ours, theirs = self._context.Pipe()
         process = self._context.Process(

@@ -132,6 +132,7 @@ sys.exit(main())
     [
         ("serve --port 0 --no-browser", 0.15, signal.SIGTERM),
         ("serve --port 0 --no-browser", 0.9, signal.SIGINT),
+        ("serve --port 0 --no-browser", 1.2, signal.SIGINT),  # its processes begin
         ("plan --robot go2", 0.03, signal.SIGINT),
         ("plan --robot go2", 0.4, signal.SIGTERM),
     ],
