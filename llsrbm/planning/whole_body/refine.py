@@ -134,7 +134,7 @@ class Refiner:
         motion = Motion.of(nearby.variables, grid, Sizes.of(robot, len(grid.phases)))
         place, heading = footholds(task_of(plan, robot), grid)
         feet = Feet(place, quaternions_about_z(heading))
-        return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid)
+        return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended()
 
 
 def refined(

@@ -121,6 +121,20 @@ class Start:
                 values[1:-1] = state[name][1:-1]
         return replace(self, state=moved)
 
+    def ended(self) -> Start:
+        """The same, at rest where the request ends, in the posture in which it begins.
+
+        Between jumps nearby ends are up to some degrees and centimetres off.
+        """
+        task, state = self.task, {name: values.copy() for name, values in self.state.items()}
+        R_begun, R_end = rotation_matrices(np.array([task.start_quat, task.goal_quat]))
+        from_com = R_end @ R_begun.T @ (state["position"][0] - task.start_position)
+        state["position"][-1] = task.goal_position + from_com
+        state["quat"][-1] = task.goal_quat
+        for name in ("joint_position", "velocity", "omega", "joint_velocity"):
+            state[name][-1] = state[name][0]
+        return replace(self, state=state)
+
     def straighter(self) -> Start:
         """The same with straighter lines of accelerations and forces, which miss less between."""
         steep = {n: STRAIGHTER * w for n, w in self.weights.items() if n.startswith("steep")}
