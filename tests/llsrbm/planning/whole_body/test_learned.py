@@ -1,11 +1,13 @@
 """Tables of solved jumps: what they give, and which are ignored."""
 
 import logging
+import math
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm import certified_plan, drafting
@@ -200,3 +202,16 @@ def test_without_patches_only_near_starts_are_begun_from(monkeypatch):
 
 class StopFollowing(Exception):
     """Ends a solve as it begins."""
+
+
+@pytest.mark.parametrize("robot", ["anymal", "go2"])
+def test_a_plan_from_a_table_ends_as_it_begins_turned_and_moved_by_all_that_was_asked(robot):
+    """Between the table's jumps of 120 degrees on ANYmal's spot ends were turned by 109."""
+    jump = llsrbm.Jump(robot=robot, twist=math.radians(120), lateral=0.1)
+    plan = llsrbm.plan(jump)
+    assert plan.report.attempts == 0  # it has no draft
+    turn = Rotation.from_euler("z", jump.twist)
+    begins, ends = (Rotation.from_quat(plan.base_quat[k], scalar_first=True) for k in (0, -1))
+    assert (ends * (turn * begins).inv()).magnitude() < 1e-3
+    moved = turn.apply(plan.base_position[0]) + np.array([0.0, jump.lateral, 0.0])
+    np.testing.assert_allclose(plan.base_position[-1], moved, atol=1e-3)
