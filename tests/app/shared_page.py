@@ -54,6 +54,7 @@ _AT_REST = """() => {
   document.querySelectorAll(".mantine-Paper-root > .mantine-Paper-root[aria-expanded=true]")
     .forEach((title) => title.click());
   document.querySelector("#llsrbm-part [aria-label='Close the part']")?.click();
+  document.querySelectorAll(".mantine-ScrollArea-viewport").forEach((each) => each.scrollTo(0, 0));
   const { player, camera } = llsrbm;
   player.pause();
   player.setLoop(true);
