@@ -12,10 +12,11 @@ from llsrbm.control.detection import CentroidalState, make_detector, model_uncer
 from llsrbm.control.foot_force import FootForces
 from llsrbm.control.inverse_dynamics import Command, InverseDynamics
 from llsrbm.control.joint_bounds import JointBounds
+from llsrbm.control.leaving import SWEEPING, SWINGING, leaving
 from llsrbm.control.link_bounds import LinkBounds
 from llsrbm.control.reference import Reference, Target
 from llsrbm.control.swing import UnderWay
-from llsrbm.control.take_off import TakeOff, leaving
+from llsrbm.control.take_off import TakeOff
 from llsrbm.control.unmodelled import Unmodelled
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.mechanics import GRAVITY
@@ -192,9 +193,9 @@ class WholeBodyController:
                 target = target._replace(foot_from_com=target.foot_from_com + self._stretch)
             else:
                 target = self._reaching(target)
-                if self._reference.plan.jump.turns:
-                    since = time - self.flights[-1].lift_off
-                    target = leaving(target, self._body, since, contacts.foothold[:, 2])
+                since = time - self.flights[-1].lift_off
+                way = SWEEPING if self._reference.plan.jump.turns else SWINGING
+                target = leaving(way, target, self._body, since, contacts.foothold[:, 2])
             acceleration = _FREE_FALL
         raised = target.com + np.array([0.0, 0.0, contacts.ground_shift])
         return target._replace(com=raised, com_acceleration=acceleration)

@@ -32,10 +32,6 @@ HELD = 0.1
 AWAY, SPEED, TILT, TURNING = 0.1, 0.5, 0.1, 1.0  # m, m/s, rad, rad/s
 FORCE, LEAST = 0.3, 0.02
 _UNLOADED = 1e-3  # N; contacts with no more do not push
-# Legs that have pushed a body over stop their sweep of 20 rad/s, and their rotors', as they leave.
-# Feet carry load for some ms more: dragged over the ground they take 6 % of a front flip's
-# momentum. Lower than this, m, and for so long, s, they go straight up instead.
-_LOW, _LEAVING = 0.02, 0.0045
 
 _C, _V, _A, _L = slice(0, 2), slice(2, 4), slice(4, 7), slice(7, 10)  # places in e
 
@@ -138,19 +134,3 @@ class TakeOff:
         turn[:, _L] = (end - begin) * np.linalg.inv(plan.inertia[inside]).mean(axis=0)
         rows = np.vstack([place / PLACE, turn / TURN])
         return rows.T @ rows
-
-
-def leaving(target: Target, body: WholeBody, since: float, ground: Array) -> Target:
-    """A target in flight, of which feet that are on the ground still do not sweep over it.
-
-    `since`: lift-off, s; `ground`: (L,) m, height under the feet.
-    """
-    low = body.foot[:, 2] < ground + _LOW
-    if since >= _LEAVING or not low.any():
-        return target
-    across = low[:, None] & [True, True, False]
-    return target._replace(
-        foot_from_com=np.where(across, body.foot - body.com, target.foot_from_com),
-        foot_velocity_from_com=np.where(across, -body.com_velocity, target.foot_velocity_from_com),
-        foot_acceleration_from_com=np.where(across, 0.0, target.foot_acceleration_from_com),
-    )

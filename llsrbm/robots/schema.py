@@ -211,6 +211,21 @@ class Limits(Table):
     touchdown_braking: Positive = 120.0
 
 
+class Reserve(Table):
+    """Reserves of the whole body's plans for the controller, besides shares of the drives' limits.
+
+    Attributes:
+        landing_torque: share of the torque that plans may use, after the last flight.
+        carried: what each contact carries at least, besides what its friction takes, before the
+            last flight: a share of the weight that all contacts share evenly. landing_carried:
+            the same after it.
+    """
+
+    landing_torque: Annotated[float, Field(gt=0, le=1)] = 0.7
+    carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    landing_carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
+
+
 class Timing(Table):
     """Shortest and longest duration of each phase, s."""
 
@@ -297,6 +312,7 @@ class RobotFile(Table):
     foot: Foot = Foot()
     reach: Reach
     limits: Limits
+    reserve: Reserve = Reserve()
     drives: JointDrives = JointDrives()
     timing: Timing
     task: Task

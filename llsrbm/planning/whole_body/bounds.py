@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from llsrbm.body.knee_room import knee_room
+from llsrbm.mechanics import INSCRIBED
 from llsrbm.planning.problem.foot_clearance import clearance_line, edge_range
 from llsrbm.planning.whole_body.grid import Grid, Knot
 from llsrbm.planning.whole_body.legs import LANDING_UNIT
@@ -27,11 +28,6 @@ LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground 
 # median when feet could come from 3 cm over a fifth of their swing, 4.3 when braked by 120 m/s2.
 BRAKED_FROM = 0.04
 SHANKS = 0.75  # of the distance that feet keep
-# Of the torque that plans may use, after the last flight: where a drive is at its limit in a
-# landing nothing is left to steer with. Of Go2's jump of 120 degrees, 19 cm down, none of three
-# simulations lands strictly with all, one with 0.85 and all with 0.7; of 45 requests each, of which
-# 29 (Go2) and 37 (ANYmal) are found from the tables, all those land strictly with 0.7.
-LANDING_TORQUE = 0.7
 RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
 
 
@@ -61,11 +57,15 @@ class RowBounds:
     def _bounds(self, name: str, size: int, knot: Knot, half: int) -> tuple[Array, Array]:
         """`half`: of the start's instants, the knot or the middle after it."""
         limits, model = self.start.task.limits, self.robot.model
+        reserve, landed = (
+            self.robot.file.reserve,
+            self.grid.phase_at(half) >= self.grid.last_landing,
+        )
         most = {"speed": limits.speed_share, "torque": limits.torque_share, "drive": 1.0}
         if name in EQUALITIES:
             return np.zeros(size), np.zeros(size)
-        if name == "torque" and self.grid.phase_at(half) >= self.grid.last_landing:
-            most[name] *= LANDING_TORQUE
+        if name == "torque" and landed:
+            most[name] *= reserve.landing_torque
         if name in most:
             return np.full(size, -most[name]), np.full(size, most[name])
         above = np.full(size, np.inf)
@@ -85,7 +85,8 @@ class RowBounds:
             case "apart":
                 return -self.start.apart.at_zero[half], above
         assert name == "friction"
-        return np.zeros(size), above
+        carried = reserve.landing_carried if landed else reserve.carried
+        return np.full(size, carried * limits.friction * INSCRIBED), above
 
     def _swinging(self, knot: Knot, half: int) -> list[int]:
         stands = knot.standing if half % 2 else knot.resting

@@ -144,8 +144,17 @@ class Grid:
     def landed(self) -> NDArray[np.bool_]:
         """(2 N + 1,) where legs stand after a flight."""
         stands = np.array([bool(legs) for legs, _ in self.phases])
-        after = stands & (np.cumsum(~stands) > 0)
-        found: NDArray[np.bool_] = after[[self.phase_at(half) for half in range(len(self.shares))]]
+        return self._at_halves(stands & (np.cumsum(~stands) > 0))
+
+    @cached_property
+    def stood(self) -> NDArray[np.bool_]:
+        """(2 N + 1,) where legs stand."""
+        return self._at_halves(np.array([bool(legs) for legs, _ in self.phases]))
+
+    def _at_halves(self, of_phases: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        found: NDArray[np.bool_] = of_phases[
+            [self.phase_at(half) for half in range(len(self.shares))]
+        ]
         return found
 
     @property

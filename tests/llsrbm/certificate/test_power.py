@@ -71,6 +71,11 @@ def test_the_work_of_the_drives_is_the_gain_in_energy_and_what_friction_takes():
     assert work == pytest.approx(energy[1] - energy[0] + taken, abs=0.02 * gross)
 
 
+def near(power, time, instant):
+    """The most within 6 ms of an instant: of two peaks that are as high either may be stated."""
+    return power[np.abs(time - instant) <= 0.006].max()
+
+
 def test_a_rollouts_figures_are_integrals_of_its_file(tmp_path):
     path = tmp_path / "rollout.npz"
     of(simulated("go2"), robot_file(tmp_path)).save(path)
@@ -79,14 +84,18 @@ def test_a_rollouts_figures_are_integrals_of_its_file(tmp_path):
         names = list(file["joint_names"])
     power = torque * speed
     given, back = np.clip(power, 0, None).sum(axis=1), np.clip(-power, 0, None).sum(axis=1)
+    # A torque is held for a tick, in which a foot that strikes changes the speeds.
+    held = torque[:-1] * speed[1:]
+    most_given = np.maximum(given[:-1], np.clip(held, 0, None).sum(axis=1))
+    most_back = np.maximum(back[:-1], np.clip(-held, 0, None).sum(axis=1))
     heating = RESISTANCE * (torque / CONSTANT) ** 2
     battery = (power + heating).sum(axis=1)
     found = llsrbm.load(path)
     for stated in (rollout_summary(found)["power"], llsrbm.certify(found).power.as_dict()):
         assert stated["peak_w"] == pytest.approx(given.max(), rel=0.06)
-        assert stated["peak_s"] == pytest.approx(time[given.argmax()], abs=0.006)
+        assert near(most_given, time[:-1], stated["peak_s"]) == pytest.approx(given.max(), rel=0.06)
         assert stated["back_w"] == pytest.approx(back.max(), rel=0.06)
-        assert stated["back_s"] == pytest.approx(time[back.argmax()], abs=0.006)
+        assert near(most_back, time[:-1], stated["back_s"]) == pytest.approx(back.max(), rel=0.06)
         assert stated["energy_j"] == pytest.approx(np.trapezoid(given, time), rel=0.03)
         assert stated["energy_back_j"] == pytest.approx(np.trapezoid(back, time), rel=0.03)
         assert stated["electrical_peak_w"] == pytest.approx(battery.max(), rel=0.06)

@@ -6,6 +6,7 @@ import pytest
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.delay import Measurement
 from llsrbm.control.foot_force import FootForces
+from llsrbm.control.leaving import SWINGING
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
@@ -87,7 +88,8 @@ def test_feet_in_flight_are_at_their_planned_height_whatever_the_robots(controll
     controller.detector = TouchdownAt(100)
     q = ROBOT.posture.copy()
     for late in (False, True):
-        time = controller.contacts.plan_time(start) + 0.002  # surely of the flight
+        # Of the flight, and after feet that are on the ground still have left it.
+        time = controller.contacts.plan_time(start) + SWINGING.lasts + 0.002
         if late:
             time = controller.flights[-1].touchdown + 0.01
         planned = controller.target(time)

@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from llsrbm.control.reference import Reference
-from llsrbm.control.take_off import TakeOff, leaving
+from llsrbm.control.take_off import TakeOff
 from llsrbm.mechanics import GRAVITY
 from llsrbm.motion.sampling import sampled
 from llsrbm.robots import load_robot
@@ -123,24 +123,3 @@ def test_landing_and_flight_are_left_alone(plan, reference):
     for time in (plan.lift_off + 0.01, plan.touchdown + 0.1):
         target = reference.at(time)
         assert feedback.corrected(target, body_of(target, com=0.1), time) is target
-
-
-def test_feet_that_leave_go_straight_up_until_they_are_off_the_ground(plan, reference):
-    """In the world a low foot's target has neither an error nor a speed along the ground."""
-    target = reference.at(plan.phase_start[2] + 0.01)
-    com, velocity, ground = target.com + 0.01, np.array([0.3, 0.1, 2.0]), np.full(4, 0.1)
-    foot = com + target.foot_from_com + 0.005
-    foot[:, 2] = ground + np.array([0.001, 0.05, 0.001, 0.05])
-    body = SimpleNamespace(foot=foot, com=com, com_velocity=velocity)
-    low, high, along = [0, 2], [1, 3], slice(2)
-    rising = leaving(target, body, 0.002, ground)
-    np.testing.assert_allclose((com + rising.foot_from_com)[low, along], foot[low, along])
-    np.testing.assert_allclose(
-        (velocity + rising.foot_velocity_from_com)[low, along], 0, atol=1e-12
-    )
-    assert not rising.foot_acceleration_from_com[low, along].any()
-    for name in ("foot_from_com", "foot_velocity_from_com", "foot_acceleration_from_com"):
-        before, after = getattr(target, name), getattr(rising, name)
-        np.testing.assert_array_equal(after[high], before[high])
-        np.testing.assert_array_equal(after[:, 2], before[:, 2])
-    assert leaving(target, body, 0.01, ground) is target

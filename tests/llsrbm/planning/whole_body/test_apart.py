@@ -12,7 +12,7 @@ from llsrbm.planning.whole_body import start as start_module
 from llsrbm.planning.whole_body.apart import BETWEEN, FAR, Apart
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.refine import refined
-from llsrbm.planning.whole_body.start import start_of, trunk_room
+from llsrbm.planning.whole_body.start import CROUCHES, SINKS, start_of, trunk_room
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 
@@ -71,11 +71,13 @@ def test_once_it_has_landed_the_trunk_keeps_from_the_ground(monkeypatch):
     assert lowest_once_landed(keeps) > lowest_once_landed(refined(draft)) + 0.03
 
 
-def test_the_trunk_keeps_away_after_every_flight_and_not_before():
+def test_the_trunk_keeps_away_where_legs_stand_and_more_after_every_flight():
     all_legs, none = (0, 1, 2, 3), ()
     phases = tuple((legs, 2) for legs in (all_legs, none, all_legs, none, all_legs))
     room = trunk_room(Grid(phases))
-    np.testing.assert_array_equal(np.flatnonzero(room), [*range(8, 12), *range(16, 21)])
+    np.testing.assert_array_equal(np.flatnonzero(room == SINKS), [*range(8, 12), *range(16, 21)])
+    np.testing.assert_array_equal(np.flatnonzero(room == CROUCHES), range(4))
+    np.testing.assert_array_equal(np.flatnonzero(room == 0), [*range(4, 8), *range(12, 16)])
 
 
 def test_a_robot_whose_links_stand_close_together_may_stand_so():
