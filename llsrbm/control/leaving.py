@@ -36,8 +36,10 @@ def leaving(way: Leaving, target: Target, body: WholeBody, since: float, ground:
 
     `since`: lift-off, s; `ground`: (L,) m, height under the feet.
     """
+    if since >= way.lasts:
+        return target
     low = body.foot[:, 2] < ground + way.low
-    if since >= way.lasts or not low.any():
+    if not low.any():
         return target
     rising = np.array([0.0, 0.0, way.rising]) - body.com_velocity
     straight = low[:, None] & [True, True, False]

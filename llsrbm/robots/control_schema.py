@@ -1,4 +1,4 @@
-"""Tables of a robot file for its controller, and for how far the robot may be from its URDF."""
+"""Tables of a robot file for its controller, what plans leave it, and how far robots may be off."""
 
 from __future__ import annotations
 
@@ -76,6 +76,21 @@ class Control(Table):
     replan_latency: Positive | None = None
     gains: Gains = Gains()
     weights: Weights = Weights()
+
+
+class Reserve(Table):
+    """Reserves of the whole body's plans for the controller, besides shares of the drives' limits.
+
+    Attributes:
+        landing_torque: share of the torque that plans may use, after the last flight.
+        carried: what each contact carries at least, besides what its friction takes, before the
+            last flight: a share of the weight that all contacts share evenly. landing_carried:
+            the same after it.
+    """
+
+    landing_torque: Annotated[float, Field(gt=0, le=1)] = 0.7
+    carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
+    landing_carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
 
 class Uncertainty(Table):

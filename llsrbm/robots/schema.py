@@ -25,7 +25,7 @@ from llsrbm.request.tables import (
     read_table,
     validated,
 )
-from llsrbm.robots.control_schema import Control, Uncertainty
+from llsrbm.robots.control_schema import Control, Reserve, Uncertainty
 from llsrbm.robots.drives.table import JointDrives
 from llsrbm.robots.wire_schema import Wire
 
@@ -209,21 +209,6 @@ class Limits(Table):
     clearance: Length
     feet_apart: Length
     touchdown_braking: Positive = 120.0
-
-
-class Reserve(Table):
-    """Reserves of the whole body's plans for the controller, besides shares of the drives' limits.
-
-    Attributes:
-        landing_torque: share of the torque that plans may use, after the last flight.
-        carried: what each contact carries at least, besides what its friction takes, before the
-            last flight: a share of the weight that all contacts share evenly. landing_carried:
-            the same after it.
-    """
-
-    landing_torque: Annotated[float, Field(gt=0, le=1)] = 0.7
-    carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
-    landing_carried: Annotated[float, Field(ge=0, lt=1)] = 0.0
 
 
 class Timing(Table):

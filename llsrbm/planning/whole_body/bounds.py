@@ -57,10 +57,8 @@ class RowBounds:
     def _bounds(self, name: str, size: int, knot: Knot, half: int) -> tuple[Array, Array]:
         """`half`: of the start's instants, the knot or the middle after it."""
         limits, model = self.start.task.limits, self.robot.model
-        reserve, landed = (
-            self.robot.file.reserve,
-            self.grid.phase_at(half) >= self.grid.last_landing,
-        )
+        reserve = self.robot.file.reserve
+        landed = self.grid.phase_at(half) >= self.grid.last_landing
         most = {"speed": limits.speed_share, "torque": limits.torque_share, "drive": 1.0}
         if name in EQUALITIES:
             return np.zeros(size), np.zeros(size)
