@@ -102,12 +102,13 @@ class Recorder:
         contacts = foot_contacts(robot)
         q = np.array(self.q)
         com, inertia, momentum = centroidal_states(model, q, np.array(self.v))
+        middles = [contact.centres.mean(axis=0) for contact in contacts]
         foot = np.empty((len(q), len(contacts), 3))
         for k, position in enumerate(self.q):
             pin.forwardKinematics(model, data, position)
-            for i, (leg, contact) in enumerate(zip(robot.legs, contacts, strict=True)):
+            for i, (leg, middle) in enumerate(zip(robot.legs, middles, strict=True)):
                 frame = pin.updateFramePlacement(model, data, leg.foot_frame_id)
-                foot[k, i] = frame.act(contact.centres.mean(axis=0))
+                foot[k, i] = frame.act(middle)
         foot[..., 2] -= [contact.radius for contact in contacts]
         return {
             "com": com,
