@@ -16,7 +16,7 @@ from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
-from llsrbm.planning.whole_body.learned import fits
+from llsrbm.planning.whole_body.learned_file import fits
 from llsrbm.planning.whole_body.refine import planned, refined, refiner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot

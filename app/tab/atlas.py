@@ -20,9 +20,10 @@ from app.tab.planning.requests import plan_design, remember, untitled
 from app.tab.state import TabState
 from llsrbm.atlas.colours import COLOURS
 from llsrbm.atlas.jumps import Atlas, Axis, Jumps
+from llsrbm.atlas.learned import TITLE, learned_atlas
 from llsrbm.atlas.map import map_of
-from llsrbm.atlas.table import read_atlas, shipped_atlas
-from llsrbm.errors import Error, InputError
+from llsrbm.atlas.table import read_atlas
+from llsrbm.errors import InputError
 from llsrbm.look.titles import title_of_model
 from llsrbm.planning.problem.placement import limits_of
 from llsrbm.request.design import Design
@@ -30,8 +31,6 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot
 from llsrbm.sweep.rows import LIMIT, robot_hash
-
-BUILT_IN = "Built-in sweep"
 
 
 class Atlases:
@@ -49,14 +48,14 @@ class Atlases:
             if name in self._read:
                 raise InputError(f"--atlas: {folder} is given twice; expected each once")
             self._read[name] = atlas
-        self.names: tuple[str, ...] = (*self._read, BUILT_IN)  # to choose from, one at least
+        self.names: tuple[str, ...] = (*self._read, TITLE)  # to choose from, one at least
 
     def named(self, name: str) -> Atlas | None:
-        """The atlas of a name ("": the first) or None; `InputError`: the built-in one is none."""
+        """The atlas of a name ("": the first); None: there is none of it."""
         name = name or self.names[0]
         with self._lock:
-            if name == BUILT_IN and name not in self._read:
-                self._read[name] = read_atlas(shipped_atlas())
+            if name == TITLE and name not in self._read:
+                self._read[name] = learned_atlas()
             return self._read.get(name)
 
 
@@ -153,22 +152,15 @@ class AtlasDrawing:
 
     def _jumps(self, state: TabState) -> Jumps | str:
         jump = state.design.jump
-        try:
-            atlas = self._atlases.named(state.atlas.sweep)
-        except Error as error:
-            message = str(error)
-            return f"{message[:1].upper()}{message[1:]}."
+        atlas = self._atlases.named(state.atlas.sweep)
         jumps = atlas and atlas.jumps_of(jump.robot, jump.model, jump.type)
-        return jumps or f"This sweep has no jumps of {state.file.title}."
+        return jumps or f"There are no jumps of {state.file.title} in it."
 
     # ---- clicks
 
     def opened(self, click: AtlasClicked) -> JumpOpened | None:
         """The jump that a page asks for; None if there is none."""
-        try:
-            atlas = self._atlases.named(click.sweep)
-        except InputError:
-            return None
+        atlas = self._atlases.named(click.sweep)
         found = atlas and atlas.find(click.jump)
         if not found:
             return None

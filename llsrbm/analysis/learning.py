@@ -9,18 +9,23 @@ from typing import Any
 import numpy as np
 from scipy.stats.qmc import Halton
 
-from llsrbm.certificate import certified
+from llsrbm.analysis.summaries import planned_peak_load
+from llsrbm.certificate import certified, stated
 from llsrbm.errors import InputError, NotConverged
+from llsrbm.motion.plan import Plan
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.violations import worst_of
 from llsrbm.planning.solve.watch import Watch
-from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved, places, read, write
+from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Refused, Solved
+from llsrbm.planning.whole_body.learned_file import places, read, write
 from llsrbm.planning.whole_body.refine import Refiner, refiner_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots.robot import Robot
 
 JUMPS = 120  # of a table; of 76 three to ten iterations are left of some twenty
 SAVED_EVERY = 10  # jumps
+NOT_PLANNED = "not planned"  # what stops a jump where no constraint or check is named
 # Most people ask for one or two components: of the second of two jumps only these are left.
 _LEFT = [set(names) for count in (1, 2) for names in combinations(COMPONENTS, count)]
 
@@ -31,7 +36,8 @@ def learn(
     out: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Path, Learned]:
-    """Solve jumps and keep those whose certificate holds; goes on from what a file has.
+    """Solve jumps and keep those whose certificate holds, with what stops the others; goes on from
+    what a file has.
 
     Args:
         robot: whose jumps of the default type.
@@ -49,15 +55,20 @@ def learn(
     path = out or places(robot, refiner.grid)[1]
     table = read(path, robot, refiner.grid)
     solved = [] if table is None else table.solved(robot)
-    known = {jump for jump, _ in solved}
+    refused = [] if table is None else table.outcomes.refusals(robot)
+    known = {each.jump for each in (*solved, *refused)}
     for number, jump in enumerate(requests(robot, count), 1):
-        if jump not in known and (found := _solve(jump, refiner)) is not None:
-            solved.append(found)
+        if jump not in known:
+            match _looked_at(jump, refiner):
+                case Solved() as found:
+                    solved.append(found)
+                case Refused() as found:
+                    refused.append(found)
         if progress is not None:
             progress(number, count)
         enough = len(solved) >= NEIGHBOURS
         if enough and (number % SAVED_EVERY == 0 or number == count):
-            table = Learned.of(solved, robot)
+            table = Learned.of(solved, refused, robot)
             path.parent.mkdir(parents=True, exist_ok=True)
             write(path, table, robot, refiner.grid)
     if table is None:
@@ -92,18 +103,27 @@ def _refiner(robot: Robot) -> Refiner:
     return refiner
 
 
-def _solve(jump: Jump, refiner: Refiner) -> Solved | None:
+def _looked_at(jump: Jump, refiner: Refiner) -> Solved | Refused:
     """From jumps nearby that are solved by now, as alike ones give better guesses; else a draft."""
-    plan = refiner.learned(make_task(jump, refiner.robot), Watch())
-    holds = plan is not None and certified(plan, refiner.robot).certified
-    if not holds:
+    robot = refiner.robot
+    plan = refiner.learned(make_task(jump, robot), Watch())
+    plan = plan and certified(plan, robot)
+    if plan is None or not plan.certified:
         try:
             draft = planner_of(jump).plan(jump, patient=False, explains=False)
-        except NotConverged:
-            return None
-        drafted = refiner.refine(draft, learned=False)
-        holds = certified(drafted, refiner.robot).certified
-    if not holds:
-        return None
-    assert refiner.solution is not None
-    return Solved(jump, refiner.solution)
+        except NotConverged as error:
+            return Refused(jump, worst_of(error.plan.violations) or NOT_PLANNED)
+        plan = certified(refiner.refine(draft, learned=False), robot)
+    if not plan.certified:
+        return Refused(jump, _broken(plan))
+    load, solution = planned_peak_load(plan), refiner.solution
+    assert load is not None
+    assert solution is not None
+    return Solved(jump, solution, plan.airborne, load.ratio)
+
+
+def _broken(plan: Plan) -> str:
+    """The first check of a plan that does not hold."""
+    certificate = stated(plan)
+    broken = () if certificate is None else certificate.broken
+    return broken[0].name if broken else NOT_PLANNED

@@ -1,47 +1,40 @@
 """Which jumps can be planned, guessed in a fraction of a millisecond from jumps that were planned.
 
-A request x has displacement and the limits that stop jumps most (`LIMITS`), each scaled over its
-range. The score of x is the logarithm of the odds that it can be planned,
+A request x is scaled over what the robot's file allows. The score of x is the logarithm of the odds
+that a plan of it is found whose certificate holds,
 
     score(x) = w · phi(x) + sum_k a_k exp(-|x - x_k|^2 / (2 WIDTH^2)) ,
 
 where phi are all products of up to `DEGREE` of the numbers of x that stay when left and right
-change places: twist and lateral together come an even number of times. The weights w of each robot
-are fitted to sampled jumps by `python -m benchmarks.feasible`, which writes `assets/feasible.json`.
-None ships at present: nothing is known of any robot.
-The second part is what was seen since: where a jump was planned, or refused, against the score.
+change places: twist and lateral together come an even number of times. The weights w are those of a
+logistic regression on the robot's table of solved and refused jumps (`llsrbm robot learn`): a robot
+without a table has none. The second part is what was seen since: where a jump was planned, or
+refused, against the score.
 """
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache
 from itertools import combinations_with_replacement
-from typing import Any
 
 import numpy as np
+from scipy.special import expit
 
 from llsrbm.arrays import Array, IntArray
-from llsrbm.installed import assets_directory
 from llsrbm.planning.problem.placement import limits_of
+from llsrbm.planning.whole_body.learned import Outcomes
+from llsrbm.planning.whole_body.learned_file import outcomes_of
 from llsrbm.request.jump import COMPONENTS, Jump
-from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
-
-LIMITS: Mapping[str, tuple[float, float]] = {
-    "torque_share": (0.2, 1.1),
-    "speed_share": (0.2, 1.2),
-    "friction": (0.1, 1.0),
-    "flight_max": (0.32, 0.9),
-    "clearance": (0.0, 0.3),
-}
-"""Limits of which samples differ, with the ends of what was sampled, SI."""
 
 DEGREE = 3
 WIDTH = 0.15  # of half a range: how far around it a jump that was seen counts
 SURE = 2.0  # score to which a jump that was seen is corrected: odds of seven to one
+RIDGE = 0.3  # of the weights
+_STEPS = 60  # of Newton's method, which takes ten
+_CHANGE = 1e-6  # of weights, with which it ends
 _MOST_SEEN = 200  # corrections; the oldest are forgotten
 _POINTS = 61  # along a slider
 _SIDED = [COMPONENTS.index("twist"), COMPONENTS.index("lateral")]  # change their sign in a mirror
@@ -85,10 +78,9 @@ class Feasible:
         return score
 
     def scaled(self, values: Array) -> Array:
-        """(n, D) of SI values: -1 to 1 over their ranges, limits no further than was sampled."""
+        """(n, D) of SI values: -1 to 1 over their ranges."""
         low, high = self.ends
         scaled: Array = 2 * (values - low) / (high - low) - 1
-        scaled[:, len(COMPONENTS) :] = scaled[:, len(COMPONENTS) :].clip(-1.0, 1.0)
         return scaled
 
     def corrected(self, x: Array, feasible: bool) -> Feasible:
@@ -118,32 +110,39 @@ def _products(size: int) -> IntArray:
     return np.array([c for c in chosen if sum(c.count(column) for column in sided) % 2 == 0])
 
 
-def ends_of(robot: Robot) -> Array:
-    """(2, D) lowest and highest of the request and of `LIMITS`, SI."""
-    ranges = [getattr(robot.file.task, name) for name in COMPONENTS]
-    return np.array([*ranges, *LIMITS.values()], dtype=float).T
-
-
-def values_of(jump: Jump, limits: Mapping[str, float], robot: Robot) -> Array:
+def values_of(jump: Jump) -> Array:
     """(D,) SI."""
-    own = _own_limits(robot)
-    request = [getattr(jump, name) for name in COMPONENTS]
-    return np.array([*request, *(limits.get(name, own[name]) for name in LIMITS)], dtype=float)
+    return np.array([getattr(jump, name) for name in COMPONENTS], dtype=float)
+
+
+def feasible_of(robot: Robot) -> Feasible | None:
+    """The robot's classifier; None: it has no table of solved jumps."""
+    outcomes = outcomes_of(robot)
+    return None if outcomes is None else fitted(robot, outcomes)
 
 
 @lru_cache(maxsize=16)
-def feasible_of(robot: Robot) -> Feasible | None:
-    """The robot's classifier as it ships; None: there is none, or its numbers have changed."""
-    data: dict[str, Any] = _file().get(robot.name, {})
-    if data.get("robot") != numbers_key(robot):
-        return None
-    return made(robot, np.array(data["weights"]))
+def fitted(robot: Robot, outcomes: Outcomes) -> Feasible:
+    """The classifier of what became of a robot's jumps, without corrections."""
+    ends = np.array([getattr(robot.file.task, name) for name in COMPONENTS], dtype=float).T
+    plain = Feasible(ends, np.empty(0), np.empty((0, len(COMPONENTS))), np.empty(0))
+    x = plain.scaled(np.vstack([outcomes.requests, outcomes.refused]))
+    planned = np.arange(len(x)) < len(outcomes.requests)
+    return replace(plain, weights=_regression(features(x), planned.astype(float)))
 
 
-def made(robot: Robot, weights: Array) -> Feasible:
-    """A robot's classifier of these weights, without corrections."""
-    ends = ends_of(robot)
-    return Feasible(ends, weights, np.empty((0, ends.shape[1])), np.empty(0))
+def _regression(phi: Array, y: Array) -> Array:
+    """(F,) weights of features (n, F) by Newton's method, of which y (n,) are 0 or 1."""
+    ridge = np.full(phi.shape[1], RIDGE)
+    w = np.zeros(phi.shape[1])
+    for _ in range(_STEPS):
+        chance = expit(phi @ w)
+        hessian = (phi.T * (chance * (1 - chance))) @ phi + np.diag(ridge)
+        step = np.linalg.solve(hessian, phi.T @ (y - chance) - ridge * w)
+        w += step * min(1.0, 3.0 / max(float(np.abs(phi @ step).max()), 1.0))
+        if np.abs(step).max() < _CHANGE:
+            break
+    return w
 
 
 def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
@@ -160,8 +159,8 @@ def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
         return "with the arms held"
     if feasible_of(robot) is None:
         return "of this robot"
-    own = _own_limits(robot)
-    others = sorted(name for name in limits if name not in LIMITS and limits[name] != own[name])
+    own = limits_of(robot)
+    others = sorted(name for name, value in limits.items() if value != own[name][1])
     return f"with another {others[0].replace('_', ' ')}" if others else ""
 
 
@@ -171,7 +170,7 @@ def learned(
     """The classifier corrected by a request that was planned or refused, where it did not know."""
     if why_unknown(jump, limits, robot):
         return feasible
-    return feasible.corrected(feasible.scaled(values_of(jump, limits, robot)[None])[0], planned)
+    return feasible.corrected(feasible.scaled(values_of(jump)[None])[0], planned)
 
 
 def tracks(
@@ -179,29 +178,16 @@ def tracks(
 ) -> dict[str, Track]:
     """Field of `COMPONENTS` -> what can be planned along it; empty where `why_unknown`.
 
-    `feasible`: with what was seen; None: as it ships.
+    `feasible`: with what was seen; None: as the robot's table has it.
     """
     feasible = feasible or feasible_of(robot)
     if feasible is None or why_unknown(jump, limits, robot):
         return {}
-    low, high = feasible.ends[:, : len(COMPONENTS)]
+    low, high = feasible.ends
     grids = np.linspace(low, high, _POINTS)
-    values = np.tile(values_of(jump, limits, robot), (len(COMPONENTS), _POINTS, 1))
+    values = np.tile(values_of(jump), (len(COMPONENTS), _POINTS, 1))
     for place in range(len(COMPONENTS)):
         values[place, :, place] = grids[:, place]
-    flat = values.reshape(-1, values.shape[-1])
+    flat = values.reshape(-1, len(COMPONENTS))
     scores = feasible.scores(feasible.scaled(flat)).reshape(len(COMPONENTS), _POINTS)
     return {name: Track(grids[:, k], scores[k]) for k, name in enumerate(COMPONENTS)}
-
-
-@lru_cache(maxsize=16)
-def _own_limits(robot: Robot) -> dict[str, float]:
-    return {name: value for name, (_, value) in limits_of(robot).items()}
-
-
-@cache
-def _file() -> dict[str, Any]:
-    path = assets_directory() / "feasible.json"
-    if not path.exists():
-        return {}
-    return json.loads(path.read_text(encoding="utf-8"))

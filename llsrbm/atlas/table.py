@@ -1,14 +1,12 @@
-"""A sweep's table as an atlas, and as a small file of the columns that an atlas needs.
+"""A sweep's table as an atlas.
 
 A table may have millions of rows of a hundred columns: only the columns of `NEEDED` are read, some
-rows at a time, and some twenty numbers a jump are kept. The small file is NumPy's .npz, so that the
-atlas that ships is read without pyarrow.
+rows at a time, and some twenty numbers a jump are kept.
 """
 
 from __future__ import annotations
 
 import json
-import zipfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,8 +17,6 @@ from numpy.typing import NDArray
 from llsrbm.arrays import Array, IntArray
 from llsrbm.atlas.jumps import AMOUNTS, DRIVES, FALLS, NOTHING, Atlas, Jumps
 from llsrbm.errors import InputError, require
-from llsrbm.files.atomic import staged
-from llsrbm.installed import assets_directory
 from llsrbm.request.jump import Jump
 from llsrbm.sweep.folder import STATED, TABLE
 from llsrbm.sweep.rows import LIMIT, PLANNED, STATUSES
@@ -29,9 +25,6 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 _Columns = dict[str, NDArray[Any]]
-
-SMALL = ".npz"
-"""Suffix of small files."""
 
 _ARMS = "arms"  # A column that tables from before robots had arms do not have
 _TEXTS = ("robot", "model", "type", "robot_hash", "status", "stopped_by")
@@ -46,20 +39,9 @@ _DECIMALS = 9  # to which values of an axis are compared: a grid's differ in the
 _HALF = 0.5  # of a jump's seeds: if fewer land, the jump cannot be done
 
 
-def shipped_atlas() -> Path:
-    """The small file that ships, of `assets/sweeps/atlas.toml`. Raises `InputError`: none does."""
-    path = assets_directory() / "atlas" / "jumps.npz"
-    if not path.exists():
-        raise InputError(
-            "no map of jumps ships at present; `llsrbm sweep atlas --out DIR` makes one, which "
-            "`llsrbm atlas DIR` draws and `llsrbm serve --atlas DIR` shows"
-        )
-    return path
-
-
 def read_atlas(path: Path) -> Atlas:
-    """The atlas of a sweep's folder, of a table, or of a small file. Raises `InputError`: there is
-    none, or it is no sweep's table; one line.
+    """The atlas of a sweep's folder, or of its table. Raises `InputError`: there is none, or it is
+    no sweep's table; one line.
     """
     title, columns = _read(path)
     groups = _groups(columns)
@@ -68,33 +50,11 @@ def read_atlas(path: Path) -> Atlas:
     return Atlas(title, groups)
 
 
-def write_small(path: Path, target: Path) -> None:
-    """Write the columns that an atlas needs of a sweep's table, as .npz or .parquet. Raises
-    `InputError`: there is no table, it is no sweep's, or the file cannot be written.
-    """
-    title, columns = _read(path)
-    if target.suffix not in (SMALL, ".parquet"):
-        raise InputError(f"{target}: expected a name that ends in {SMALL} or .parquet")
-    columns = {n: v.astype(np.float32) if n in _FIGURES else v for n, v in columns.items()}
-    with staged(target) as draft:
-        if target.suffix == SMALL:
-            texts = {n: columns[n].astype(str) for n in (*_TEXTS, _ARMS) if n in columns}
-            np.savez_compressed(draft, allow_pickle=False, title=title, **columns | texts)
-        else:
-            import pyarrow as pa
-            import pyarrow.parquet as pq
-
-            table = pa.table(columns).replace_schema_metadata({b"title": title.encode()})
-            pq.write_table(table, draft, compression="zstd", compression_level=19)
-
-
 def _read(path: Path) -> tuple[str, _Columns]:
     """Title, and column name -> (R,): texts as objects, "" for null; flags as numbers."""
     table = path / TABLE if (path / TABLE).exists() else path
     if not table.exists() or (table.is_dir() and table.name != TABLE):
         raise InputError(f"{path}: no {TABLE} there; expected the folder of a sweep, or a table")
-    if table.suffix == SMALL:
-        return _read_small(table)
     require("tables of sweeps need pyarrow", "sweep", "pyarrow")
     import pyarrow as pa
     import pyarrow.dataset
@@ -111,18 +71,6 @@ def _read(path: Path) -> tuple[str, _Columns]:
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names if parts}
     stated = (dataset.schema.metadata or {}).get(b"title")
     return _title(table) if stated is None else stated.decode(), columns
-
-
-def _read_small(path: Path) -> tuple[str, _Columns]:
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            columns = {name: file[name] for name in file.files}
-        title = str(columns.pop("title"))
-        names = _checked(path, columns, len(columns.get("jump", ())))
-        texts = {*_TEXTS, _ARMS}
-        return title, {n: columns[n].astype(object if n in texts else None) for n in names}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        raise _unreadable(path, error) from error
 
 
 def _unreadable(path: Path, error: Exception) -> InputError:

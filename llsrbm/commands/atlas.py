@@ -25,7 +25,7 @@ _Intervals = Annotated[
     typer.Option(
         "--intervals",
         help="In place of maps: what can be planned along each number of a request, the others "
-        "being those of --at [default: 0]; guessed from samples, in rad and m.",
+        "being those of --at [default: 0]; guessed from solved and refused jumps, in rad and m.",
     ),
 ]
 
@@ -35,15 +35,11 @@ def atlas_command(
         Path | None,
         typer.Argument(
             metavar="[DIR]",
-            help="Folder of a sweep, or its table [default: the one built in].",
+            help="Folder of a sweep, or its table [default: the tables of solved jumps].",
         ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE", help="Picture: .png, .svg or .pdf.")
-    ] = None,
-    table: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Write the atlas' columns: .npz or .parquet."),
     ] = None,
     robot: Annotated[
         list[str] | None,
@@ -64,27 +60,25 @@ def atlas_command(
     intervals: _Intervals = False,
     as_json: options.AsJson = False,
 ) -> int:
-    """Map what a robot can do: a sweep's jumps over two of its axes, as a picture.
+    """Map what a robot can do: jumps over two of their axes, as a picture.
 
-    None ships at present: `llsrbm sweep atlas --out DIR` makes one, `llsrbm atlas DIR` draws it.
+    Jumps are those of a sweep, or those that robots' tables of solved jumps were made from.
     """
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
+        from llsrbm.atlas.learned import learned_atlas
+        from llsrbm.atlas.table import read_atlas
 
         if intervals:
             found = {name: _intervals(name, at or ()) for name in robot or [Jump().robot]}
             console.print_result({"robots": found}, _in_words(found), stdout, as_json=as_json)
             return console.DONE
-        source = shipped_atlas() if sweep is None else sweep
         shown = _colour(colour)
-        atlas = read_atlas(source)
+        atlas = learned_atlas() if sweep is None else read_atlas(sweep)
         maps = [_map(jumps, x, y, shown, at or ()) for jumps in _groups(atlas, robot or ())]
         if out is not None:
             from llsrbm.atlas.picture import write_picture
 
             write_picture(maps, [_title(each.jumps) for each in maps], out)
-        if table is not None:
-            write_small(source, table)
         result = {"title": atlas.title, "maps": [_summary(each) for each in maps]}
         console.print_result(result, _description(result), stdout, as_json=as_json)
     return console.DONE

@@ -257,6 +257,11 @@ class Plan(OfRobot):
         """s: when the last flight ends, as the first foot lands."""
         return float(self.phase_start[self.schedule.flights[-1] + 1])
 
+    @property
+    def airborne(self) -> float:
+        """s without a foot on the ground, all flights together."""
+        return float(np.diff(self.phase_start)[[*self.schedule.flights]].sum())
+
     def save(self, path: str | Path) -> None:
         """Write the native npz file (schema llsrbm.plan/2); see `llsrbm.load`.
 

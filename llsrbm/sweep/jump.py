@@ -197,10 +197,10 @@ def _solve(plan: Plan) -> TableRow:
 
 def _stop(error: NotConverged, diagnosed: bool) -> TableRow:
     """The limit that stops a jump if it was diagnosed, else the constraint violated most."""
-    from llsrbm.planning.problem.violations import severity
+    from llsrbm.planning.problem.violations import worst_of
 
     violations = error.plan.violations
-    worst = max(violations, key=lambda name: severity(violations[name]), default=None)
+    worst = worst_of(violations)
     row: TableRow = {
         "status": rows.NOT_PLANNED,
         "stopped_by": worst,
@@ -223,7 +223,7 @@ def _figures(plan: Plan, robot: Robot) -> TableRow:
     row: TableRow = {
         "duration_s": plan.duration,
         "takeoff_s": plan.lift_off,
-        "flight_s": float(sum(durations[flight] for flight in plan.schedule.flights)),
+        "flight_s": plan.airborne,
         "landing_s": plan.duration - plan.touchdown,
         "lift_off_s": plan.lift_off,
         "touchdown_s": plan.touchdown,

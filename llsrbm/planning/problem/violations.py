@@ -1,5 +1,6 @@
 """Violations of the constraints and defects of the dynamics of a motion."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -161,6 +162,11 @@ def severity(violation: Violation) -> float:
     """A violation in the units of `SCALES`."""
     # A constraint of several units is named with the first.
     return violation.amount / SCALES[violation.unit.split(",")[0]]
+
+
+def worst_of(found: Mapping[str, Violation]) -> str | None:
+    """The constraint that is violated most; None: none is."""
+    return max(found, key=lambda name: severity(found[name]), default=None)
 
 
 def describe_worst(found: dict[str, Violation], knots: Knots | None = None) -> str:

@@ -22,7 +22,7 @@ from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.learned import table_for
+from llsrbm.planning.whole_body.learned_file import table_for
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
 from llsrbm.planning.whole_body.result import Feet, plan_of
