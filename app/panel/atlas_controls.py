@@ -20,7 +20,7 @@ from llsrbm.atlas.map import ALL, NEAREST, Map, Scale
 from llsrbm.number_text import short
 
 _COLOURS = {colour.title: colour.name for colour in COLOURS.values()}
-_PROJECTIONS = {"as in the design": NEAREST, "all of the sweep": ALL}
+_PROJECTIONS = {"as in the design": NEAREST, "all of them": ALL}
 _NONE = "none"
 _MAP = '<div class="llsrbm-atlas"></div>'  # by which atlas.js finds its place
 
@@ -91,7 +91,7 @@ def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
     return (
         Field(
             "Sweep",
-            "Jumps that have been planned and simulated before",
+            "Jumps that were planned before: those of a sweep, or those that plans begin from",
             get=lambda menus: menus.choice.sweep or sweeps[0],
             put=lambda menus, name: menus.having(sweep=name),
             options=tuple(sweeps),
@@ -107,7 +107,7 @@ def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
         ),
         Field(
             "Other axes",
-            "Show the slice nearest to the design, or all jumps of the sweep together",
+            "Show the slice nearest to the design, or all jumps together",
             get=lambda menus: projections[menus.choice.projection],
             put=lambda menus, title: menus.having(projection=_PROJECTIONS[title]),
             options=tuple(_PROJECTIONS),

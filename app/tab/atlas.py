@@ -137,7 +137,7 @@ class AtlasDrawing:
             return
         axes = choice.axes(found.axes)
         if axes is None:
-            self._controls.show(choice, (), "This sweep varies one axis; a map needs two.")
+            self._controls.show(choice, (), "One axis varies here; a map needs two.")
             self._send(None)
             return
         self._controls.show(choice, found.axes, _remarks(found, state.design.jump))
@@ -154,7 +154,13 @@ class AtlasDrawing:
         jump = state.design.jump
         atlas = self._atlases.named(state.atlas.sweep)
         jumps = atlas and atlas.jumps_of(jump.robot, jump.model, jump.type)
-        return jumps or f"There are no jumps of {state.file.title} in it."
+        if jumps:
+            return jumps
+        if (state.atlas.sweep or self._atlases.names[0]) == TITLE:
+            return (
+                f"{state.file.title} has no table of solved jumps; `llsrbm robot learn` makes one."
+            )
+        return f"This sweep has no jumps of {state.file.title}."
 
     # ---- clicks
 
@@ -186,7 +192,7 @@ def _remarks(jumps: Jumps, jump: Jump) -> str:
     remarks = []
     if (jumps.model, jumps.type) != (jump.model, jump.type):
         what = f"{title_of_type(jumps.type)}, {title_of_model(jumps.model)}"
-        remarks.append(f"The sweep's jumps are {what}.")
+        remarks.append(f"These jumps are {what}.")
     if jumps.robot_hash != robot_hash(jump.robot):
-        remarks.append("The robot's file has changed since this sweep.")
+        remarks.append("The robot's file has changed since they were planned.")
     return " ".join(remarks)

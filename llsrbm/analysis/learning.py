@@ -56,7 +56,7 @@ def learn(
     table = read(path, robot, refiner.grid)
     solved = [] if table is None else table.solved(robot)
     refused = [] if table is None else table.outcomes.refusals(robot)
-    known = {each.jump for each in (*solved, *refused)}
+    known = {each.jump for each in solved} | {each.jump for each in refused}
     for number, jump in enumerate(requests(robot, count), 1):
         if jump not in known:
             match _looked_at(jump, refiner):

@@ -91,7 +91,8 @@ def learn_command(
 ) -> int:
     """Solve jumps all over the robot's range, so that later ones begin from those nearby.
 
-    The first time it takes some minutes; started again it goes on from what is there.
+    The page's sliders show by them what can be planned, and its atlas shows them. The first time it
+    takes some minutes; started again it goes on from what is there.
     """
     from llsrbm.analysis.learning import learn
     from llsrbm.robots import load_robot
@@ -99,7 +100,9 @@ def learn_command(
     with console.counting("jumps") as show:
         path, table = learn(load_robot(robot), jumps, out, show)
     megabytes = path.stat().st_size / 1e6
-    print(f"{path}: {len(table.requests)} of {jumps} jumps, {megabytes:.1f} MB")
+    found = table.outcomes
+    looked_at = len(found.requests) + len(found.refused)
+    print(f"{path}: {len(found.requests)} of {looked_at} jumps, {megabytes:.1f} MB")
     return console.DONE
 
 

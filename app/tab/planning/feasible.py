@@ -1,7 +1,7 @@
 """The part of each slider that can be planned, with the other values as they are.
 
-A robot's classifier ships (`llsrbm.atlas.feasible`); what this tab has planned, and what was
-refused, corrects it.
+A robot's table of solved jumps says it (`llsrbm.atlas.feasible`); what this tab has planned, and
+what was refused, corrects it.
 """
 
 from collections.abc import Mapping
@@ -14,32 +14,34 @@ from app.link import PageLink
 from app.panel.jump_controls import TINTED
 from app.tab.state import TabState
 from app.workers.reports import Planned, Refused, Report
-from app.workers.tasks import PlanJump, Task
+from app.workers.tasks import PlanJump, RefinePlan, Task
 from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, why_unknown
-from llsrbm.motion.plan import Plan
 from llsrbm.number_text import short
 from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
 
 
 def learn(state: TabState, report: Report, task: Task) -> TabState:
-    """The state with what the outcome of a plan says of the requests around it."""
-    robot = state.robot
-    if robot is None or not isinstance(task, PlanJump) or task.jump.robot != robot.name:
+    """The state with what an outcome says of the requests around it; a draft says nothing."""
+    robot, (tuning, outcomes) = state.robot, _outcomes(report, task)
+    if robot is None or any(jump.robot != robot.name for jump in outcomes):
         return state
     found = state.feasible.get(robot.name) or feasible_of(robot)
-    if found is None:
+    if found is None or not outcomes:
         return state
-    outcomes: dict[Jump, bool] = {}
-    match report:
-        case Planned(plan=plan):
-            outcomes = {plan.jump: plan.solved}
-        case Refused(nearest=Plan() as plan):
-            outcomes = {task.jump: False, plan.jump: plan.solved}
-        case Refused() if task.patient:
-            outcomes = {task.jump: False}
     for jump, planned in outcomes.items():
-        found = learned(found, jump, task.tuning.limits, robot, planned=planned)
+        found = learned(found, jump, tuning.limits, robot, planned=planned)
     return replace(state, feasible={**state.feasible, robot.name: found})
+
+
+def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
+    """Whether a plan of a jump was found whose certificate holds, and with which tuning."""
+    match task, report:
+        case RefinePlan(plan=draft, wanted=wanted), Planned(plan=plan):
+            return draft.tuning, {wanted: False} | ({plan.jump: True} if plan.certified else {})
+        case PlanJump(jump=jump, patient=True), Refused():
+            return task.tuning, {jump: False}
+    return Tuning(), {}
 
 
 class Tint:

@@ -23,7 +23,7 @@ from llsrbm.files.npz import write_archive
 from llsrbm.installed import assets_directory
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.learned import NEIGHBOURS, Array, Learned, Outcomes
+from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Outcomes
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.jump_types import schedule_of
 from llsrbm.request.messages import field_specs

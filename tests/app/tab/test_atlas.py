@@ -9,7 +9,8 @@ import pytest
 from app.link import AtlasClicked, AtlasSeen, read_event
 from app.panel.acts import Act
 from app.panel.atlas_controls import AtlasChoice, AtlasControls
-from app.tab.atlas import BUILT_IN, AtlasDrawing, Atlases, JumpOpened
+from app.tab.atlas import AtlasDrawing, Atlases, JumpOpened
+from llsrbm.atlas.learned import TITLE
 from llsrbm.errors import InputError
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -114,8 +115,8 @@ def test_a_robot_that_the_sweep_has_not_is_said_and_the_choice_stays(drawn):
 def test_a_changed_robot_and_another_model_are_said(drawn):
     drawn.move(model="srbm")
     assert drawn.told == (
-        "The sweep's jumps are All feet together, LL-SRBM+. "
-        "The robot's file has changed since this sweep."
+        "These jumps are All feet together, LL-SRBM+. "
+        "The robot's file has changed since they were planned."
     )
 
 
@@ -158,17 +159,26 @@ def test_limits_are_axes_with_the_robots_own_where_the_design_has_none(tmp_path)
     assert drawn.marks[-1][0] == 0.5
 
 
-def test_where_none_is_built_in_the_page_says_how_one_is_made():
+def test_of_a_robot_without_a_table_the_page_says_how_one_is_made(monkeypatch):
+    monkeypatch.setattr("llsrbm.atlas.learned.outcomes_of", lambda robot: None)
     drawn = Drawn(Atlases())
     drawn.take(AtlasSeen())
     assert drawn.maps == [None]
-    assert drawn.told.startswith("No map of jumps ships at present; `llsrbm sweep atlas")
-    assert drawn.drawing.opened(AtlasClicked(BUILT_IN, 0)) is None
+    assert drawn.told.endswith("has no table of solved jumps; `llsrbm robot learn` makes one.")
+    assert drawn.drawing.opened(AtlasClicked(TITLE, 0)) is None
+
+
+def test_without_sweeps_the_map_is_of_the_tables_of_solved_jumps():
+    drawn = Drawn(Atlases())
+    drawn.take(AtlasSeen())
+    assert drawn.told == ""
+    jump = drawn.drawing.opened(AtlasClicked(TITLE, max(drawn.maps[-1]["jump"]))).jump
+    assert jump.robot == "anymal"
 
 
 def test_sweeps_by_name(folder, tmp_path):
     atlases = Atlases([folder])
-    assert atlases.names == (folder.name, BUILT_IN)
+    assert atlases.names == (folder.name, TITLE)
     assert atlases.named("") is atlases.named(folder.name)
     assert atlases.named("../../etc") is None
     with pytest.raises(InputError, match="given twice"):

@@ -3,11 +3,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from llsrbm.atlas.jumps import FALLS
-from llsrbm.atlas.table import read_atlas, shipped_atlas, write_small
+from llsrbm.atlas.jumps import FALLS, NOTHING
+from llsrbm.atlas.learned import learned_atlas
+from llsrbm.atlas.table import read_atlas
 from llsrbm.errors import InputError
+from llsrbm.planning.whole_body.learned_file import outcomes_of
+from llsrbm.request.jump import COMPONENTS
+from llsrbm.robots import load_robot
 from tests.llsrbm.atlas.tables import can, grid, row, stopped, write
-from tests.llsrbm.processes import printed
 
 
 def test_jumps_of_a_robot_with_what_was_asked_and_what_varies(tmp_path):
@@ -34,13 +37,10 @@ def test_a_jump_is_found_by_its_number_with_its_request(tmp_path):
     assert [atlas.find(number) for number in (-1, 0, 5, 8)] == [None] * 4
 
 
-@pytest.mark.parametrize("name", ["t.parquet", "small.npz", "small.parquet"])
 @pytest.mark.parametrize("arms", ["free", "held"])
-def test_a_jump_has_its_sweeps_arms(tmp_path, name, arms):
+def test_a_jump_has_its_sweeps_arms(tmp_path, arms):
     table = write(tmp_path / "t.parquet", [row(3, robot="g1", arms=arms)])
-    if name != table.name:
-        write_small(table, tmp_path / name)
-    jumps, place = read_atlas(tmp_path / name).find(3)
+    jumps, place = read_atlas(table).find(3)
     assert jumps.request(place)[0].arms == arms
 
 
@@ -62,46 +62,15 @@ def test_seeds_come_together_whatever_their_order(tmp_path):
     assert [jumps.stops[k] for k in jumps.stop] == ["", FALLS, "joint_torque"]
 
 
-@pytest.mark.parametrize("name", ["small.npz", "small.parquet"])
-def test_the_small_file_is_the_same_atlas(tmp_path, name):
-    table = write(tmp_path / "jumps.parquet", [*grid(), row(72, limit_friction=0.2)], ("friction",))
-    write_small(tmp_path, tmp_path / name)
-    assert (tmp_path / name).stat().st_size < table.stat().st_size / 2
-    (one,), (other,) = (read_atlas(p).groups for p in (table, tmp_path / name))
-    assert read_atlas(tmp_path / name).title == tmp_path.name
-    np.testing.assert_array_equal(one.planned, other.planned)
-    np.testing.assert_array_equal(
-        one.requested["limit_friction"], other.requested["limit_friction"]
-    )
-    np.testing.assert_allclose(one.torque_share, other.torque_share, rtol=1e-6)
-    assert one.stops == other.stops
-
-
-def test_the_small_file_is_read_without_pyarrow(tmp_path):
-    write_small(write(tmp_path / "t.parquet", grid()), tmp_path / "small.npz")
-    script = """
-import sys
-from pathlib import Path
-sys.modules["pyarrow"] = None
-from llsrbm.atlas.table import read_atlas
-read_atlas(Path(sys.argv[1]))
-"""
-    printed(script, tmp_path / "small.npz")
-
-
 def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
     (tmp_path / "text.parquet").write_text("nothing of the kind")
     pq.write_table(pa.table({"jump": [1]}), tmp_path / "other.parquet")
     write(tmp_path / "odd.parquet", [row(0, status="maybe")])
     write(tmp_path / "empty.parquet", [])
-    (tmp_path / "text.npz").write_text("nothing of the kind")
-    np.savez(tmp_path / "other.npz", title="x", jump=[1])
     for name, why in (
         ("none", "no jumps.parquet there"),
         ("text.parquet", "cannot be read"),
         ("other.parquet", 'no column "robot"'),
-        ("text.npz", "cannot be read"),
-        ("other.npz", 'no column "robot"'),
         ("odd.parquet", "status 'maybe'"),
         ("empty.parquet", "has no jumps"),
     ):
@@ -110,6 +79,16 @@ def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
         assert "\n" not in str(refused.value)
 
 
-def test_where_none_ships_it_says_how_one_is_made():
-    with pytest.raises(InputError, match="no map of jumps ships at present; `llsrbm sweep atlas"):
-        shipped_atlas()
+def test_the_built_in_atlas_has_the_jumps_of_the_tables():
+    atlas, outcomes = learned_atlas(), outcomes_of(load_robot("slider"))
+    jumps = atlas.jumps_of("slider")
+    assert len(jumps) == len(outcomes.requests) + len(outcomes.refused)
+    assert jumps.planned.sum() == len(outcomes.requests)
+    np.testing.assert_array_equal(np.isfinite(jumps.flight), jumps.planned == 1)
+    group, place = atlas.find(int(jumps.numbers[-1]))
+    assert group is jumps
+    jump, limits, drives = group.request(place)
+    assert [getattr(jump, name) for name in COMPONENTS] == outcomes.refused[-1].tolist()
+    assert (jump.robot, limits, drives) == ("slider", {}, {})
+    assert jumps.stops[jumps.stop[-1]] == outcomes.stopped_by[-1]
+    assert {jumps.stops[k] for k in jumps.stop[: len(outcomes.requests)]} == {NOTHING}

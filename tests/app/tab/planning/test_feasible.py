@@ -1,18 +1,19 @@
 """The tint of the sliders: what is sent to the page, and what a tab learns."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
-from app.tab.planning.feasible import Tint
-from app.workers.reports import Refused
-from llsrbm.atlas.feasible import feasible_of
-from llsrbm.request.tuning import Tuning
+from app.tab.planning.feasible import Tint, learn
+from app.workers.reports import Planned, Refused
+from app.workers.tasks import PlanJump, RefinePlan
+from llsrbm.atlas.feasible import feasible_of, tracks
 from llsrbm.robots import load_robot
 from tests.app.pure_tab import plan_of, planned_tab
-from tests.llsrbm.atlas.classifiers import shipped
+from tests.app.synthetic_plan import refined_plan
+from tests.llsrbm.atlas.classifiers import learned_of
 
-WEAK = Tuning(limits={"torque_share": 0.4})
 SLIDERS = {name: f"id of {name}" for name in ("twist", "forward", "lateral", "height")}
 
 
@@ -28,8 +29,8 @@ class Page:
 @pytest.fixture
 def tab():
     """Of the robot of which alone something is known."""
-    with shipped(load_robot("anymal")):
-        yield planned_tab()
+    with learned_of(load_robot("anymal")):
+        yield planned_tab(twist=0.5)
 
 
 @pytest.fixture
@@ -44,7 +45,7 @@ def test_tracks_are_sent_when_the_request_changes_and_only_then(tab, page):
     assert len(page.shown) == 1
     assert set(page.shown[0]) == {*SLIDERS.values()}
     assert "over the whole slider" in page.shown[0]["id of forward"]["text"]
-    tab.take(WEAK)
+    tab.move(forward=0.1)
     tint.draw(tab.state)
     twist = page.shown[1]["id of twist"]
     assert min(twist["chances"]) < 50 < max(twist["chances"]) <= 100
@@ -58,9 +59,13 @@ def test_tracks_are_sent_when_the_request_changes_and_only_then(tab, page):
     }
 
 
-def test_where_none_ships_the_sliders_say_so_and_nothing_is_learned(page):
-    tab = planned_tab()
-    Tint(page, SLIDERS).draw(tab.state)
+def test_without_a_table_the_sliders_say_so_and_nothing_is_learned(page):
+    with learned_of():
+        tab = planned_tab()
+        Tint(page, SLIDERS).draw(tab.state)
+        refused = replace(tab.state.design.jump, twist=3.0)
+        task = PlanJump(refused)
+        assert learn(tab.state, Refused(1, refused, "no", plan_of(refused)), task) is tab.state
     (sent,) = page.shown
     said = {
         "chances": [],
@@ -68,24 +73,25 @@ def test_where_none_ships_the_sliders_say_so_and_nothing_is_learned(page):
         "range": "",
     }
     assert sent == dict.fromkeys(SLIDERS.values(), said)
-    assert not tab.state.feasible
 
 
-def test_a_refusal_against_the_guess_is_learned_and_so_is_a_plan(tab):
-    robot = tab.state.robot
-    tab.move(twist=0.5)
-    tab.settle()
-    assert tab.state.feasible.get("anymal", feasible_of(robot)) is feasible_of(robot)
-    tab.take(WEAK)
-    tab.move(twist=math.pi, forward=0.5)
-    tab.settle()  # the planner of tests can do anything
-    learned = tab.state.feasible["anymal"]
-    assert len(learned.amounts) >= 1
-    tab.state = tab.state.forgetting()
-    tab.move(twist=0.1)
-    submit = tab.submits[-1]
-    refused = submit.task.jump
-    last = plan_of(refused, "not-converged")
-    tab.report(Refused(submit.ticket, refused, "no", last))
-    if not submit.task.patient:  # a hand may still be moving: it may yet be found
-        assert tab.state.feasible["anymal"] is learned
+def test_whole_bodies_plans_and_refusals_are_learned_and_drafts_are_not(tab):
+    robot, jump = tab.state.robot, tab.state.design.jump
+    hard, less = replace(jump, twist=math.pi), replace(jump, twist=0.7 * math.pi)
+
+    def taught(state, report, task):
+        return learn(state, report, task).feasible.get("anymal", feasible_of(robot))
+
+    known = feasible_of(robot)
+    draft = plan_of(hard)
+    assert taught(tab.state, Planned(1, draft), PlanJump(hard)) is known
+    no = Refused(1, jump, "no", plan_of(jump, "not-converged"))
+    assert taught(tab.state, no, PlanJump(jump, patient=False)) is known
+    assert len(taught(tab.state, no, PlanJump(jump)).amounts) == 1
+    certified = refined_plan(plan_of(less))
+    found = taught(tab.state, Planned(1, certified), RefinePlan(draft, hard))
+    assert len(found.amounts) == 1  # that the hard one cannot be done it knew
+    assert tracks(hard, {}, robot, found)["twist"].intervals[0][1] > less.twist
+    broken = Planned(1, replace(certified, certificate=None))
+    (amount,) = taught(tab.state, broken, RefinePlan(draft, jump)).amounts
+    assert amount < 0

@@ -16,9 +16,9 @@ from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.ocp.solvers import Fatrop
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.whole_body import learned
+from llsrbm.planning.whole_body import learned_file
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Solved
+from llsrbm.planning.whole_body.learned import NEIGHBOURS, Learned, Refused, Solved
 from llsrbm.planning.whole_body.refine import planned, refined
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.tuning import Tuning
@@ -43,7 +43,9 @@ def table():
         Jump(robot=ROBOT, **dict(zip(COMPONENTS, map(float, rng.uniform(*ranges.T)), strict=True)))
         for _ in range(3 * NEIGHBOURS)
     ]
-    return Learned.of([Solved(j, Iterate(values(j), values(j)[:3])) for j in jumps], robot)
+    solved = [Solved(j, Iterate(values(j), values(j)[:3]), 0.4, 0.8) for j in jumps]
+    refused = [Refused(replace(j, twist=-j.twist), "friction") for j in jumps[:3]]
+    return Learned.of(solved, refused, robot)
 
 
 def test_what_is_linear_in_the_request_is_met(table):
@@ -55,41 +57,43 @@ def test_what_is_linear_in_the_request_is_met(table):
 
 def test_a_file_has_the_table(table, tmp_path):
     robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
-    learned.write(path, table, robot, GRID)
-    again = learned.read(path, robot, GRID)
+    learned_file.write(path, table, robot, GRID)
+    again = learned_file.read(path, robot, GRID)
     largest = np.abs(table.variables).max(axis=0)
     assert (np.abs(again.variables - table.variables) <= 2.0**-11 * largest).all()
     np.testing.assert_allclose(again.multipliers, table.multipliers, rtol=2.0**-4)
-    assert [jump for jump, _ in again.solved(robot)] == [
-        replace(jump, robot=str(robot.path)) for jump, _ in table.solved(robot)
-    ]
+    for one, other in zip(again.solved(robot), table.solved(robot), strict=True):
+        assert (one.jump, one.flight, one.torque_share) == (other.jump, 0.4, 0.8)
+    light = learned_file.read_outcomes(path, robot, GRID)
+    assert light.refusals(robot) == table.outcomes.refusals(robot)
+    assert {each.stopped_by for each in light.refusals(robot)} == {"friction"}
 
 
 def test_of_other_numbers_it_is_ignored_with_a_warning(table, tmp_path, caplog):
     robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
-    learned.write(path, table, robot, GRID)
+    learned_file.write(path, table, robot, GRID)
     stronger = with_drives(robot, torque=1.2)
     with caplog.at_level(logging.WARNING):
-        assert learned.read(path, stronger, GRID) is None
+        assert learned_file.read(path, stronger, GRID) is None
     assert "learned with other numbers of the robot" in caplog.text
 
 
 def test_of_another_type_of_jump_it_is_left_alone(table, tmp_path, caplog):
     robot, path = load_robot(ROBOT), tmp_path / "go2.npz"
-    learned.write(path, table, robot, GRID)
+    learned_file.write(path, table, robot, GRID)
     with caplog.at_level(logging.WARNING):
-        assert learned.read(path, robot, Grid((GRID.phases[0], *GRID.phases))) is None
-        assert learned.read(tmp_path / "none.npz", robot, GRID) is None
+        assert learned_file.read(path, robot, Grid((GRID.phases[0], *GRID.phases))) is None
+        assert learned_file.read(tmp_path / "none.npz", robot, GRID) is None
     assert caplog.text == ""
 
 
 @pytest.mark.parametrize("share", [0.0, 0.99])
 def test_a_damaged_one_is_ignored_with_a_warning(share, table, tmp_path, caplog):
     robot, path = load_robot(ROBOT), tmp_path / f"{share}.npz"
-    learned.write(path, table, robot, GRID)
+    learned_file.write(path, table, robot, GRID)
     path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
     with caplog.at_level(logging.WARNING):
-        assert learned.read(path, robot, GRID) is None
+        assert learned_file.read(path, robot, GRID) is None
     assert "it is damaged" in caplog.text
 
 
@@ -104,11 +108,11 @@ def test_jumps_from_a_table_are_those_from_drafts_in_fewer_iterations():
 
 
 def test_a_table_is_of_the_default_model_type_and_limits(table, monkeypatch):
-    monkeypatch.setattr(learned, "_table", lambda robot, grid: table)
+    monkeypatch.setattr(learned_file, "_table", lambda robot, grid: table)
     robot, plain = load_robot(ROBOT), Jump(robot=ROBOT, twist=0.3)
 
     def found(jump=plain, **tuning):
-        return learned.table_for(jump, Tuning(**tuning), robot, GRID)
+        return learned_file.table_for(jump, Tuning(**tuning), robot, GRID)
 
     assert found() is table
     for other in ({"model": "srbm"}, {"type": "one-foot-first"}, {"payload": (1.0, 0, 0, 0)}):
@@ -120,7 +124,7 @@ def test_a_table_is_of_the_default_model_type_and_limits(table, monkeypatch):
 
 
 def test_one_of_another_problem_is_not_begun_from(table, monkeypatch):
-    monkeypatch.setattr(learned, "_table", lambda robot, grid: table)
+    monkeypatch.setattr(learned_file, "_table", lambda robot, grid: table)
     robot = load_robot(ROBOT)
     task = make_task(Jump(robot=ROBOT, twist=0.3), robot)
     assert planned(task, robot, (16, 16, 16)) is None
