@@ -15,7 +15,7 @@ import numpy as np
 import typer
 
 from benchmarks.counting import count
-from llsrbm.atlas.feasible import feasible_of, values_of
+from llsrbm.planning.whole_body.feasible import feasible_of, values_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
 

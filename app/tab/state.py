@@ -26,11 +26,11 @@ from app.tab.planning.dragging import DragPlanning
 from app.tab.shown import Given, Shown
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
-from llsrbm.atlas.feasible import Feasible
 from llsrbm.certificate import Certificate
 from llsrbm.look.titles import Decisions, decisions_of
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.planning.whole_body.feasible import Feasible
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario

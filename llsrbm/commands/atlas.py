@@ -153,7 +153,7 @@ def _title(jumps: Jumps) -> str:
 
 def _intervals(name: str, at: Sequence[str]) -> dict[str, Any]:
     """The fields of a robot's request with what can be planned; or why it is not known."""
-    from llsrbm.atlas.feasible import tracks, why_unknown
+    from llsrbm.atlas.tracks import tracks, why_unknown
     from llsrbm.planning.problem.placement import make_task
     from llsrbm.robots import load_robot
 

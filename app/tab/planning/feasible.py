@@ -1,6 +1,6 @@
 """The part of each slider that can be planned, with the other values as they are.
 
-A robot's table of solved jumps says it (`llsrbm.atlas.feasible`); what this tab has planned, and
+A robot's table of solved jumps says it (`llsrbm.atlas.tracks`); what this tab has planned, and
 what was refused, corrects it.
 """
 
@@ -15,8 +15,9 @@ from app.panel.jump_controls import TINTED
 from app.tab.state import TabState
 from app.workers.reports import Planned, Refused, Report
 from app.workers.tasks import PlanJump, RefinePlan, Task
-from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, why_unknown
+from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
 from llsrbm.number_text import short
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 

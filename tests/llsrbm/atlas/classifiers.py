@@ -6,7 +6,7 @@ from unittest.mock import patch
 
 import numpy as np
 
-from llsrbm.atlas import feasible
+from llsrbm.planning.whole_body import feasible
 from llsrbm.planning.whole_body.learned import Outcomes
 from llsrbm.request.jump import COMPONENTS
 from llsrbm.robots.robot import Robot

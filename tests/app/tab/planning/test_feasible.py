@@ -8,7 +8,8 @@ import pytest
 from app.tab.planning.feasible import Tint, learn
 from app.workers.reports import Planned, Refused
 from app.workers.tasks import PlanJump, RefinePlan
-from llsrbm.atlas.feasible import feasible_of, tracks
+from llsrbm.atlas.tracks import tracks
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.robots import load_robot
 from tests.app.pure_tab import plan_of, planned_tab
 from tests.app.synthetic_plan import refined_plan

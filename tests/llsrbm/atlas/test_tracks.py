@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from llsrbm.atlas.feasible import Track, feasible_of, learned, tracks, values_of, why_unknown
+from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
+from llsrbm.planning.whole_body.feasible import feasible_of, values_of
 from llsrbm.planning.whole_body.learned_file import outcomes_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -16,7 +17,7 @@ from tests.llsrbm.atlas.classifiers import BORDER, learned_of
 JUMP = Jump(twist=0.3, forward=0.1)
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def anymal():
     """The robot, of which alone something is known."""
     robot = load_robot("anymal")
