@@ -48,7 +48,7 @@ def plan_or_nearest(
     if less is not None:
         return less
     # What is nearest need not be this one: a solver of a finer grid is not built for it.
-    return replace(planner, guesses=False, thorough=False).plan(draft)
+    return replace(planner, guesses=False, finer=False).plan(draft)
 
 
 def _given_up(jump: Jump, wanted: Jump) -> tuple[str, ...]:
@@ -67,13 +67,12 @@ def _less(
 
     `tried`: all of it was, in vain; else it is at last, where three quarters are done.
     """
-    probing = replace(planner, thorough=False)
     found, done, failed = None, 0.0, 1.0
     for left in reversed(range(PROBES)):
         share = (done + failed) / 2
         if failed == 1.0 and not (left or tried):
             share = 1.0
-        plan = probing.nearby(draft, _reduced(draft.jump, reduced, share))
+        plan = planner.nearby(draft, _reduced(draft.jump, reduced, share))
         if plan is None:
             failed = share
         else:

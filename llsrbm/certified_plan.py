@@ -35,8 +35,7 @@ class CertifiedPlanner:
     Attributes:
         robot: the one that plans name, with other drives; None: as it is.
         guesses: begin from jumps nearby that were solved before, where the robot has a table.
-        thorough: look further where a table does not lead to a plan at once, and plan again with
-            more intervals where a certificate does not hold.
+        finer: plan again with more intervals where a certificate does not hold.
         settles: wait until solvers are compiled, so that results are the same whenever they are
             computed.
         cancelled: polled; true: `Cancelled`; progress: told of each step.
@@ -44,7 +43,7 @@ class CertifiedPlanner:
 
     robot: Robot | None = None
     guesses: bool = True
-    thorough: bool = True
+    finer: bool = True
     settles: bool = False
     cancelled: Callable[[], bool] | None = None
     progress: Progress | None = None
@@ -62,7 +61,7 @@ class CertifiedPlanner:
 
         Of what holds at their nodes less is missed between.
         """
-        if not (self.thorough and found.refined and may_hold_elsewhere(found)):
+        if not (self.finer and found.refined and may_hold_elsewhere(found)):
             return found
         # Its solver is built first, which takes seconds.
         self._watch.begin("a check does not hold: planning again with more intervals")
@@ -95,7 +94,6 @@ class CertifiedPlanner:
             task,
             robot,
             layout_of(task.jump, robot, intervals).intervals,
-            thorough=self.thorough,
             cancelled=self.cancelled,
             progress=self.progress,
         )

@@ -75,17 +75,17 @@ class Refiner:
             return self._ended(rounds, plan, called)
         nearby = self._nearby(plan.jump, plan.tuning) if learned else None
         if nearby is not None:
-            rounds.follow(self._beside(nearby, plan), nearby, thorough=True)
+            rounds.follow(self._beside(nearby, plan), nearby)
         if not rounds.solved:
             rounds.solve(start_of(plan, self.robot, self.grid).of_draft())
         if not rounds.solved:
             _log.info("the whole-body problem did not converge: %s", rounds.solutions[-1].message)
         return self._ended(rounds, plan, called)
 
-    def learned(self, task: Task, watch: Watch, *, thorough: bool = True) -> Plan | None:
+    def learned(self, task: Task, watch: Watch) -> Plan | None:
         """The whole body's plan, begun from jumps nearby that were solved before, without a draft.
 
-        None: there are none, or it is not found from there. `thorough`: of `Rounds.follow`.
+        None: there are none, or it is not found from there.
 
         Raises:
             Cancelled: `cancelled` was true.
@@ -97,7 +97,7 @@ class Refiner:
         plan = unplanned(task, self.robot, self.solver.name)
         watch.begin("the whole body's dynamics, from jumps nearby")
         rounds = self._rounds(plan, watch)
-        rounds.follow(self._beside(nearby, plan), nearby, thorough=thorough)
+        rounds.follow(self._beside(nearby, plan), nearby)
         return self._ended(rounds, plan, called) if rounds.solved else None
 
     def _rounds(self, plan: Plan, watch: Watch) -> Rounds:
@@ -168,7 +168,6 @@ def planned(
     robot: Robot,
     counts: Sequence[int],
     *,
-    thorough: bool = True,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Plan | None:
@@ -184,7 +183,7 @@ def planned(
     start = time.perf_counter()
     refiner = watch.built(partial(Refiner, robot, grid))
     built = time.perf_counter() - start
-    found = refiner.learned(task, watch, thorough=thorough)
+    found = refiner.learned(task, watch)
     if found is None:
         return None
     assert found.refinement is not None

@@ -85,14 +85,13 @@ class Rounds:
             if self.solved:
                 break
 
-    def follow(self, start: Start, begun: Iterate, *, thorough: bool) -> None:
+    def follow(self, start: Start, begun: Iterate) -> None:
         """Follow from what is near the solution; `start`: of its motion.
 
-        Where that leads nowhere the interior-point solver begins there, if it is to be `thorough`:
-        of 10 of Go2's requests that its table did not lead to, 8 are found so, in 13 to 53
-        iterations.
+        Where that leads nowhere the interior-point solver begins there: of 10 of Go2's requests
+        that its table did not lead to, 8 are found so, in 13 to 53 iterations.
         """
-        for options in ((begun,), (BESIDE,)) if thorough else ((begun,),):
+        for options in ((begun,), (BESIDE,)):
             self._from(start, begun.variables, options, MOST_FOLLOWED)
             if self.solved:
                 break
