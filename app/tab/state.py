@@ -253,8 +253,12 @@ class TabState:
     @property
     def planning(self) -> bool:
         """Whether the plan that is shown is going to be replaced."""
-        makes_plan = isinstance(self.work.awaited, PlanJump | RefinePlan)
-        return makes_plan or self.work.dragging.rests
+        return self.drafting or isinstance(self.work.awaited, RefinePlan)
+
+    @property
+    def drafting(self) -> bool:
+        """Whether that is by the draft of another request, and soon."""
+        return isinstance(self.work.awaited, PlanJump) or self.work.dragging.rests
 
     @property
     def outdated(self) -> bool:

@@ -20,6 +20,7 @@ class Whole:
     """A planner whose robot turns by a share of ALL's twist; from drafts it finds nothing."""
 
     twist: float
+    robot: None = None
     guesses: bool = True
     finer: bool = True
     searched: list = field(default_factory=list)
@@ -54,6 +55,15 @@ def test_only_what_the_draft_gives_up_is_reduced_further():
     assert not whole.searched
     assert math.degrees(found.jump.twist) == pytest.approx(43)  # 5/8 of 70 degrees
     assert (found.jump.forward, found.jump.lateral) == (0.4, 0.1)
+
+
+def test_what_is_unlikely_is_not_searched_from_its_draft():
+    hard = replace(ALL, twist=math.pi, forward=0.6, lateral=0.3, height=0.25)
+    whole = Whole(twist=1.2)
+    found = answer(whole, hard, hard)
+    assert found.certified
+    assert not whole.searched
+    assert math.degrees(found.jump.twist) == pytest.approx(90)  # half of it
 
 
 def test_what_the_draft_does_is_taken_where_the_whole_body_does_it():

@@ -62,4 +62,4 @@ def test_half_of_the_requests_have_at_most_two_components(robot):
         for jump in requests(robot, 40)
     ]
     assert min(components[::2]) >= 3
-    assert set(components[1::2]) == {1, 2}
+    assert max(components[1::2]) == 2

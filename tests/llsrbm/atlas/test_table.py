@@ -80,8 +80,8 @@ def test_what_is_no_sweeps_table_is_refused_in_one_line(tmp_path):
 
 
 def test_the_built_in_atlas_has_the_jumps_of_the_tables():
-    atlas, outcomes = learned_atlas(), outcomes_of(load_robot("slider"))
-    jumps = atlas.jumps_of("slider")
+    atlas, outcomes = learned_atlas(), outcomes_of(load_robot("go2"))
+    jumps = atlas.jumps_of("go2")
     assert len(jumps) == len(outcomes.requests) + len(outcomes.refused)
     assert jumps.planned.sum() == len(outcomes.requests)
     np.testing.assert_array_equal(np.isfinite(jumps.flight), jumps.planned == 1)
@@ -89,6 +89,6 @@ def test_the_built_in_atlas_has_the_jumps_of_the_tables():
     assert group is jumps
     jump, limits, drives = group.request(place)
     assert [getattr(jump, name) for name in COMPONENTS] == outcomes.refused[-1].tolist()
-    assert (jump.robot, limits, drives) == ("slider", {}, {})
+    assert (jump.robot, limits, drives) == ("go2", {}, {})
     assert jumps.stops[jumps.stop[-1]] == outcomes.stopped_by[-1]
     assert {jumps.stops[k] for k in jumps.stop[: len(outcomes.requests)]} == {NOTHING}
