@@ -189,8 +189,8 @@ class Rendering:
         shown, last = state.seen, self._last
         plots = state.plots_seen
         wanted = (state.pins, state.pin_chosen, state.beside, state.comparing, plots)
-        if state.drafting and shown is not None and wanted == last.get("numbers"):
-            return  # the next draft follows soon: only what is seen at a glance is drawn
+        if state.moving and shown is not None and wanted == last.get("numbers"):
+            return  # the next draft follows: only what is seen at a glance is drawn
         last["numbers"] = wanted
         of_pins = (state.pins, state.pin_chosen, state.beside)
         if self._changed("compared", (shown, state.comparing, of_pins)):

@@ -253,12 +253,14 @@ class TabState:
     @property
     def planning(self) -> bool:
         """Whether the plan that is shown is going to be replaced."""
-        return self.drafting or isinstance(self.work.awaited, RefinePlan)
+        makes_plan = isinstance(self.work.awaited, PlanJump | RefinePlan)
+        return makes_plan or self.work.dragging.rests
 
     @property
-    def drafting(self) -> bool:
-        """Whether that is by the draft of another request, and soon."""
-        return isinstance(self.work.awaited, PlanJump) or self.work.dragging.rests
+    def moving(self) -> bool:
+        """Whether that is soon, as a control may be moving still."""
+        task = self.work.awaited
+        return self.work.dragging.rests or (isinstance(task, PlanJump) and not task.patient)
 
     @property
     def outdated(self) -> bool:

@@ -34,7 +34,7 @@ def test_the_plan_that_is_shown_is_refined_and_comes_back():
     tab = refining()
     centroidal = tab.state.plan
     assert tab.state.planning
-    assert not tab.state.drafting  # its charts and figures are drawn meanwhile
+    assert not tab.state.moving  # its charts and figures are drawn meanwhile
     assert tab.state.status.busy
     assert tab.told == (Verdict.DRAFT, "(the whole body's plan follows) ...")
     tab.report(Progress(0, "building the solver", lasts=10.0))
