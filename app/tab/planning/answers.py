@@ -5,14 +5,13 @@ from dataclasses import replace
 from app.motion.baked import presentable
 from app.panel import summaries
 from app.panel.status import Verdict
-from app.tab.acts import Step, also, joined, on, played_first
-from app.tab.effects import After, Keep, Reported
+from app.tab.acts import Step, joined, on, played_first
+from app.tab.effects import After, Reported
 from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
-from app.tab.planning.refining import FOLLOWS, refine, wants_refining
-from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested
+from app.tab.planning.refining import FOLLOWS
+from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested, settle
 from app.tab.showing import ended, show_plan
-from app.tab.simulating import simulate_next
 from app.tab.state import TabState
 from app.workers import reports, tasks
 from llsrbm.motion.plan import Plan
@@ -52,11 +51,7 @@ def _take_plan(state: TabState, report: reports.Planned | reports.Refused) -> St
     state, effects = step
     if state.work.shown != state.work.newest or state.work.dragging.rests:
         return step
-    status = replace(state.status, busy=False)
-    state = replace(state, status=status, history=replace(state.history, changing=()))
-    step = also((state, effects), Keep(state.design))
-    follow = refine if wants_refining(state) else simulate_next
-    return joined(step[1], follow(state))
+    return joined(effects, settle(state))
 
 
 def _refuse(state: TabState, report: reports.Refused) -> Step:

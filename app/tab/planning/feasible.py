@@ -17,9 +17,11 @@ from app.workers.reports import Planned, Refused, Report
 from app.workers.tasks import PlanJump, RefinePlan, Task
 from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
 from llsrbm.number_text import short
-from llsrbm.planning.whole_body.feasible import feasible_of
+from llsrbm.planning.whole_body.feasible import feasible_of, values_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
+
+LIKELY = 1.0  # score: odds of nearly three to one
 
 
 def learn(state: TabState, report: Report, task: Task) -> TabState:
@@ -33,6 +35,17 @@ def learn(state: TabState, report: Report, task: Task) -> TabState:
     for jump, planned in outcomes.items():
         found = learned(found, jump, tuning.limits, robot, planned=planned)
     return replace(state, feasible={**state.feasible, robot.name: found})
+
+
+def is_likely(state: TabState) -> bool:
+    """Whether the design's jump is known to be planned, more surely than not."""
+    robot, design = state.robot, state.design
+    if robot is None or why_unknown(design.jump, design.tuning.limits, robot):
+        return False
+    found = state.feasible.get(robot.name) or feasible_of(robot)
+    assert found is not None
+    (score,) = found.scores(found.scaled(values_of(design.jump)[None]))
+    return bool(score > LIKELY)
 
 
 def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:

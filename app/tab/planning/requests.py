@@ -7,8 +7,10 @@ from app.panel.jump_types import not_supported, types_offered, with_type
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, submit
 from app.tab.effects import Keep, Queue, Stop
+from app.tab.planning.feasible import is_likely
 from app.tab.planning.known import show_again, with_answer
-from app.tab.simulating import simulate_again
+from app.tab.planning.refining import refine, wants_refining
+from app.tab.simulating import simulate_again, simulate_next
 from app.tab.state import TabState
 from app.workers import tasks
 from llsrbm.request import jump_types
@@ -83,11 +85,26 @@ class Rested:
 
 @on(Rested)
 def rest(state: TabState, event: Rested) -> Step:
-    """A request that has rested is planned from scratch."""
+    """A request that has rested is planned from scratch: by the whole body at once, where it is
+    known to do that.
+    """
     dragging, task = state.work.dragging.rested(event.number)
     if task is None:
         return state, ()
-    return _submit_plan(state.with_work(dragging=dragging), task, follows=True)
+    state = state.with_work(dragging=dragging)
+    shown = state.shown
+    drafted = shown is not None and (shown.plan.jump, shown.plan.tuning) == (task.jump, task.tuning)
+    if drafted and wants_refining(state) and is_likely(state):
+        return settle(state)
+    return _submit_plan(state, task, follows=True)
+
+
+def settle(state: TabState) -> Step:
+    """The design has its draft, or the nearest one: keep it; what is to follow follows."""
+    status = replace(state.status, busy=False)
+    state = replace(state, status=status, history=replace(state.history, changing=()))
+    follow = refine if wants_refining(state) else simulate_next
+    return joined((Keep(state.design),), follow(state))
 
 
 @on(Act.CANCEL, visible=lambda state: state.status.busy)

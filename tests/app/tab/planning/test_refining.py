@@ -15,6 +15,7 @@ from app.workers.tasks import PlanJump, RefinePlan, SimulateJump
 from llsrbm.certificate import Certificate, Finding
 from tests.app.pure_tab import ROBOTS, PureTab, plan_of, planned_tab
 from tests.app.synthetic_plan import refined_plan
+from tests.llsrbm.atlas.classifiers import learned_of
 
 
 def refining(**changes):
@@ -54,16 +55,20 @@ def test_the_plan_that_is_shown_is_refined_and_comes_back():
     assert len(tab.submits) == asked
 
 
-def test_a_plan_is_refined_when_its_request_has_rested_and_then_simulated():
-    tab = refining()
+@pytest.mark.parametrize("known", [False, True])
+def test_a_plan_is_refined_when_its_request_has_rested_and_then_simulated(known):
+    tab = refining(twist=0.5)
     finish(tab)
     tab.take(Automatically(True))
     tab.finish_simulation()
     tab.move(forward=0.1)
     tab.finish_plan()  # the quick one
     (rested,) = tab.of(After)
-    tab.take(rested.event)
-    tab.finish_plan()
+    with learned_of(*([tab.state.robot] if known else [])):
+        tab.take(rested.event)
+    if not known:  # that the whole body does it
+        assert isinstance(tab.submits[-1].task, PlanJump)
+        tab.finish_plan()
     assert isinstance(tab.submits[-1].task, RefinePlan)
     assert not tab.state.plan.refined
     finish(tab)
