@@ -20,7 +20,7 @@ from llsrbm.request.design import find_design
 
 FOLDER = Path(__file__).parents[1] / "docs"
 FILMS = {  # file -> example
-    "half_turn": "anymal-half-turn",
+    "half_turn": "slider-half-turn",
     "box": "slider-box",
     "back_flip": "go2-back-flip",
     "pirouette": "g1-pirouette",
