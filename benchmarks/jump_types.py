@@ -143,13 +143,15 @@ def score(
 def judged(jump: llsrbm.Jump, seeds: range, estimator: str, regeneration: float | None) -> str:
     """The cells of one jump."""
     try:
-        plan = llsrbm.plan(jump, draft=True)
+        plan = llsrbm.plan(jump)
     except llsrbm.NotConverged as error:
         return f"no: {error} | | | "
     outcomes = simulated(plan, seeds, estimator, regeneration)
     counts = count(outcomes)
+    made = plan.refinement if plan.refined else plan.report
+    kind = "certified" if plan.certified else "draft"
     return (
-        f"{plan.report.iterations} iterations, {plan.report.solve_time_s:.1f} s | "
+        f"{kind}, {made.iterations} iterations, {made.solve_time_s:.1f} s | "
         f"{counts.strict}/{counts.requests} | {counts.stand} | {failures(outcomes)}"
     )
 
