@@ -1,4 +1,4 @@
-"""What can be planned, as it is guessed from tables of solved jumps, against requests of none.
+"""How often the guess from tables of solved jumps, whether a jump can be planned, is right.
 
     python -m benchmarks.range --robots go2 --requests 200 --seed 10061 --once --out FILE
     python -m benchmarks.feasible FILE

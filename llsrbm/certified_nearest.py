@@ -3,8 +3,8 @@
 Drafts give up what the centroidal problem cannot do; the whole body, with its rotors and what it
 keeps in reserve for the controller, often stops before, and searches of its own problem from a
 draft that is too much end nowhere, late. Here what was given up is reduced further, by halving,
-until a motion that begins from the robot's table of solved jumps has a certificate that holds. Of a
-jump that the table makes unlikely nothing else is tried.
+until a motion that begins from the robot's table of solved jumps has a certificate that holds. A
+jump that the table makes unlikely is sought from there alone.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""What can be planned along each number of a request, guessed from the robot's solved jumps."""
+"""Tracks of sliders: the values of each number of a request that can be planned, by a guess from the
+robot's solved and refused jumps.
+"""
 
 from __future__ import annotations
 

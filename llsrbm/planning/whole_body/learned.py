@@ -53,7 +53,7 @@ class Refused(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Outcomes:
-    """What became of the jumps that were looked at: n solved ones, m refused ones.
+    """Outcomes of the jumps that were looked at: n solved ones, m refused ones.
 
     Attributes:
         requests: (n, 4) rad and m, by `COMPONENTS`.

@@ -65,7 +65,7 @@ def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned |
 
 
 def outcomes_of(robot: Robot) -> Outcomes | None:
-    """What became of the robot's jumps of the default type; None: no table of it fits."""
+    """The outcomes of the robot's jumps of the default type; None: no table of it fits."""
     plain = Jump(robot=str(robot.path))
     grid = Grid.at(schedule_of(plain, robot), layout_of(plain, robot).intervals)
     return _first_outcomes(_there(robot, grid), robot, grid)
