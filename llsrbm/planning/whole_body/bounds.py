@@ -28,7 +28,7 @@ LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground 
 # median when feet could come from 3 cm over a fifth of their swing, 4.3 when braked by 120 m/s2.
 BRAKED_FROM = 0.04
 SHANKS = 0.75  # of the distance that feet keep
-RISING = 1 / 3  # of the knees' margin before the last phase, as the first stage has it
+RISING = 1 / 3  # of the knees' margin before a flight; simulated knees come lower as they land
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +155,7 @@ class RowBounds:
         return np.tile(each, len(self.sizes.pairs_with(stands)))
 
     def _knees(self, knot: Knot, half: int) -> Array:
-        last = self.grid.phase_at(half) == len(self.grid.phases) - 1
-        margin = self.start.task.limits.knee_margin * (1.0 if last else RISING)
+        margin = self.start.task.limits.knee_margin
+        margin *= 1.0 if self.grid.landed[half] else RISING
         stands = knot.standing if half % 2 else knot.resting
         return np.full(len(stands), (knee_room(self.robot) + margin) / LANDING_UNIT)
