@@ -72,6 +72,8 @@ def _draw(axes: Axes, drawn: Map, title: str, ends: tuple[float, float]) -> None
         low, high = (end * colour.scale for end in ends)
         axes.pcolormesh(*cells, values * colour.scale, cmap=_scale(), vmin=low, vmax=high)
     axes.axhspan(cells[1][0], cells[1][-1], zorder=0, linewidth=0, **_NONE)
+    empty = np.ma.masked_where(drawn.count > 0, np.zeros(drawn.count.shape))
+    axes.pcolormesh(*cells, empty, cmap=ListedColormap(["white"]))
     for line in drawn.border:
         across, up = line[:, 0] * x.axis.scale, line[:, 1] * y.axis.scale
         axes.plot(across, up, color="white", linewidth=3.5)
