@@ -1,6 +1,4 @@
-"""Tracks of sliders: the values of each number of a request that can be planned, by a guess from the
-robot's solved and refused jumps.
-"""
+"""Tracks of sliders: which values of a number can be planned, guessed from the robot's table."""
 
 from __future__ import annotations
 
