@@ -108,7 +108,7 @@ def test_sampled_torques_are_those_of_inverse_dynamics():
     time = np.arange(0.0, second.duration, 1e-3)
     sampled, at = resample(second, time), motion().at(time)
     np.testing.assert_allclose(sampled.contact_force, at.force, atol=1e-6)
-    np.testing.assert_allclose(sampled.joint_position, at.q[:, 7:], atol=1e-5)
+    np.testing.assert_allclose(sampled.joint_position, at.q[:, 7:], atol=2e-5)
     off = efforts(robot, at.q, at.v, at.a, at.force)[:, 6:] - sampled.joint_torque
     off /= robot.torque_limit
     assert np.sqrt(np.mean(off**2)) < 0.01
