@@ -212,7 +212,9 @@ def settled(page):
 
 
 def at_rest(page):
-    """Wait until the player moves nothing any more."""
+    """Wait until the player moves nothing any more, and the picture is as fine as it gets."""
+    fine = "() => (window.__viserTestpoints.devSettings.get().fixedDpr ?? 1) >= 1"
+    page.wait_for_function(fine)
     before = None
     while (frames := page.evaluate("llsrbm.player.frames")) != before:
         before = frames
