@@ -19,4 +19,6 @@ def labels(page):
     for tab in page.locator("[data-dock-area^=gui-tabs]").get_by_role("tab").all():
         tab.click()
         found.update(page.evaluate(_VISIBLE))
+    page.get_by_role("button", name="Show it large").wait_for()  # the map, in the last tab
+    found.update(page.evaluate(_VISIBLE))
     return sorted(found)
