@@ -15,7 +15,7 @@ import numpy as np
 import typer
 
 from benchmarks.counting import count
-from llsrbm.planning.whole_body.feasible import feasible_of, values_of
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
 
@@ -34,7 +34,7 @@ def main(rows: Annotated[list[Path], typer.Argument(help="Files of `benchmarks.r
         if feasible is None:
             print(f"| {name} | {count(len(mine), 'request')} | no table | | | |")
             continue
-        guess = feasible.scores(feasible.scaled(np.array([*map(values_of, jumps)]))) > 0
+        guess = np.array([feasible.score(jump) for jump in jumps]) > 0
         print(
             f"| {name} | {len(mine)} | {can.mean():.0%} | {(guess == can).mean():.1%} "
             f"| {(~guess & ~can).sum()} of {(~can).sum()} | {(~guess & can).sum()} |"

@@ -13,12 +13,10 @@ import math
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-
 from llsrbm.certified_plan import CertifiedPlanner, may_hold_elsewhere
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
-from llsrbm.planning.whole_body.feasible import feasible_of, values_of
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.learned_file import fits
 from llsrbm.request.jump import COMPONENTS, STEPS, Jump
 
@@ -65,8 +63,7 @@ def _unlikely(planner: CertifiedPlanner, draft: Plan) -> bool:
     feasible = feasible_of(planner.robot or robot_of(draft))
     if feasible is None or not fits(replace(draft.jump, stones=()), draft.tuning):
         return False
-    (score,) = feasible.scores(feasible.scaled(np.array([values_of(draft.jump)])))
-    return bool(score < UNLIKELY)
+    return feasible.score(draft.jump) < UNLIKELY
 
 
 def _given_up(jump: Jump, wanted: Jump) -> tuple[str, ...]:

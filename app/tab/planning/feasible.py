@@ -17,7 +17,7 @@ from app.workers.reports import Planned, Refused, Report
 from app.workers.tasks import PlanJump, RefinePlan, Task
 from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
 from llsrbm.number_text import short
-from llsrbm.planning.whole_body.feasible import feasible_of, values_of
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
@@ -44,8 +44,7 @@ def is_likely(state: TabState) -> bool:
         return False
     found = state.feasible.get(robot.name) or feasible_of(robot)
     assert found is not None
-    (score,) = found.scores(found.scaled(values_of(design.jump)[None]))
-    return bool(score > LIKELY)
+    return found.score(design.jump) > LIKELY
 
 
 def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:

@@ -54,6 +54,10 @@ class Feasible:
             score += np.exp(-away / (2 * WIDTH**2)) @ self.amounts
         return score
 
+    def score(self, jump: Jump) -> float:
+        """A jump's."""
+        return float(self.scores(self.scaled(values_of(jump)[None]))[0])
+
     def scaled(self, values: Array) -> Array:
         """(n, D) of SI values: -1 to 1 over their ranges."""
         low, high = self.ends

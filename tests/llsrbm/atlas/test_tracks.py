@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
-from llsrbm.planning.whole_body.feasible import feasible_of, values_of
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.learned_file import outcomes_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
@@ -23,10 +23,6 @@ def anymal():
     robot = load_robot("anymal")
     with learned_of(robot):
         yield robot
-
-
-def score(found, jump):
-    return found.scores(found.scaled(values_of(jump)[None]))[0]
 
 
 def test_of_robots_without_a_table_nothing_is_known(anymal):
@@ -62,24 +58,24 @@ def test_left_and_right_are_alike(anymal):
     found = replace(plain, weights=np.random.default_rng(0).normal(size=len(plain.weights)))
     jump = Jump(twist=2.5, forward=0.4, lateral=0.2, height=0.1)
     mirrored = replace(jump, twist=-2.5, lateral=-0.2)
-    assert score(found, jump) == pytest.approx(score(found, mirrored))
+    assert found.score(jump) == pytest.approx(found.score(mirrored))
 
 
 def test_a_plan_counts_around_it_and_nowhere_else(anymal):
     before = feasible_of(anymal)
     hard = replace(JUMP, twist=math.pi)
-    assert score(before, hard) < 0
+    assert before.score(hard) < 0
     after = learned(before, hard, {}, anymal, planned=True)
-    assert score(after, hard) > 0
-    assert score(after, replace(hard, twist=3.0)) > 0
-    assert score(after, JUMP) == pytest.approx(score(before, JUMP), abs=1e-3)
+    assert after.score(hard) > 0
+    assert after.score(replace(hard, twist=3.0)) > 0
+    assert after.score(JUMP) == pytest.approx(before.score(JUMP), abs=1e-3)
     again = learned(after, hard, {}, anymal, planned=False)
-    assert score(again, hard) < 0
+    assert again.score(hard) < 0
     assert learned(again, hard, {}, anymal, planned=False) is again
 
 
 def test_the_tables_that_ship_know_their_own_jumps():
-    """More of them than whoever says always the same."""
+    """Better than the same answer to all of them."""
     robot = load_robot("go2")
     outcomes, found = outcomes_of(robot), feasible_of(robot)
     solved, refused = (found.scores(found.scaled(x)) for x in (outcomes.requests, outcomes.refused))
