@@ -23,12 +23,12 @@ def row(name: str, design: Design) -> str:
     except llsrbm.NotConverged as error:
         return f"| {name} | failed: {error} |"
     rollout = llsrbm.simulate(plan, scenario)
-    report, outcome = plan.report, rollout.outcome
+    effort, outcome = plan.effort, rollout.outcome
     cells = (
         name,
-        f"{report.status}, {worst_violation(plan)}",
-        f"{report.iterations}",
-        f"{1e3 * report.solve_time_s:.0f} ms",
+        f"{plan.report.status}, {worst_violation(plan)}",
+        f"{effort.iterations}",
+        f"{1e3 * effort.solve_time_s:.0f} ms",
         f"{plan.duration:.2f} s",
         outcome.status + (f" ({outcome.reason})" if outcome.reason else ""),
         "yes" if outcome.strict else "no",

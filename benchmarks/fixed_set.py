@@ -49,7 +49,7 @@ def write(folder, name, jump):
     plan.save(folder / f"{name}.plan.npz")
     rollout = llsrbm.simulate(plan, seed=7)
     rollout.save(folder / f"{name}.rollout.npz")
-    return f"{plan.report.iterations} iterations, {rollout.outcome.status}"
+    return f"{plan.effort.iterations} iterations, {rollout.outcome.status}"
 
 
 def largest_difference(one, other):

@@ -20,7 +20,7 @@ def main() -> None:
         plan.save(path)
         worst = max(violation.amount for violation in plan.violations.values())
         print(
-            f"{path.name:12s} {path.stat().st_size / 1024:4.0f} KB, {plan.report.iterations} "
+            f"{path.name:12s} {path.stat().st_size / 1024:4.0f} KB, {plan.effort.iterations} "
             f"iterations, largest violation {worst:.1e}, certified: {plan.certified}"
         )
 

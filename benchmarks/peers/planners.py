@@ -59,16 +59,12 @@ class Ours:
     def plan(self, twist: float, forward: float) -> Answer:
         jump = llsrbm.Jump(robot="anymal", model=self._model, twist=twist, forward=forward)
         plan = self._planner.plan(jump)
-        seconds, iterations = plan.report.solve_time_s, plan.report.iterations
         if self._refines:
             plan = refined(plan)
-            assert plan.refinement is not None
-            seconds += plan.refinement.solve_time_s
-            iterations += plan.refinement.iterations
         w, _, _, z = plan.base_quat[-1]
         return Answer(
-            seconds=seconds,
-            iterations=iterations,
+            seconds=plan.effort.solve_time_s,
+            iterations=plan.effort.iterations,
             converged=plan.report.status == "solved" and plan.refined == self._refines,
             turned=2 * float(np.arctan2(z, w)),
             moved=float(plan.com[-1, 0] - plan.com[0, 0]),

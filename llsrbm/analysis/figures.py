@@ -81,7 +81,7 @@ def figures_of_plan(plan: Plan, rollout: Rollout | None = None) -> DesignFigures
         peak_torque_ratio=None if outcome is None else outcome.peak_torque_ratio,
         model_turn_in_flight=None if error is None else error.flight,
         **_turning(outcome),
-        solve_time_s=plan.solve_time_s,
+        solve_time_s=plan.effort.solve_time_s,
     )
 
 

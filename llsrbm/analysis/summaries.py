@@ -24,7 +24,7 @@ def peak_yaw_rate(plan: Plan) -> float:
     return float(np.abs(plan.angular_velocity[:, 2]).max())
 
 
-_OF_REPORT = (
+_FIRST = (
     *("status", "solver", "iterations", "guess"),
     *("solve_time_s", "total_time_s", "build_time_s", "cost", "compiling"),
 )
@@ -33,8 +33,9 @@ _OF_REPORT = (
 def plan_summary(plan: Plan) -> dict[str, Any]:
     """The output of `llsrbm plan --json`: SI units, radians; null for values that are no number."""
     error = model_turn(plan)
+    solves = {**asdict(plan.report), **asdict(plan.effort), "cost": plan.cost}
     figures: dict[str, Any] = {
-        **{name: getattr(plan.report, name) for name in _OF_REPORT},
+        **{name: solves[name] for name in _FIRST},
         "duration_s": plan.duration,
         "phase_durations_s": np.diff(plan.phase_start).tolist(),
         "peak_yaw_rate": peak_yaw_rate(plan),

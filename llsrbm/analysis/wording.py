@@ -168,7 +168,7 @@ def outcome_words(trajectory: Trajectory) -> str:
     """The result in one line, the most important thing first."""
     if isinstance(trajectory, Plan):
         if trajectory.solved:
-            return f"Planned in {_ms(trajectory.solve_time_s)}"
+            return f"Planned in {_ms(trajectory.effort.solve_time_s)}"
         return "Not a feasible plan: the solver did not converge"
     outcome = trajectory.outcome
     if not trajectory.landed:

@@ -42,7 +42,14 @@ from llsrbm.files.quantity import (
     quantities,
     vector,
 )
-from llsrbm.motion.solve_report import NEAREST, Refinement, SolveReport, Violation
+from llsrbm.motion.solve_report import (
+    NEAREST,
+    Effort,
+    Refinement,
+    SolveReport,
+    Violation,
+    effort_of,
+)
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
@@ -216,10 +223,15 @@ class Plan(OfRobot):
         return self.report.status == "solved"
 
     @property
-    def solve_time_s(self) -> float:
-        """In solvers, of draft and whole body, s."""
-        second = 0.0 if self.refinement is None else self.refinement.solve_time_s
-        return self.report.solve_time_s + second
+    def effort(self) -> Effort:
+        """Iterations and times of draft and whole body together."""
+        return effort_of(self.report, self.refinement)
+
+    @property
+    def cost(self) -> float:
+        """Value of the objective whose motion this is: the whole body's, else the draft's."""
+        refinement = self.refinement
+        return self.report.cost if refinement is None or not self.refined else refinement.cost
 
     @property
     def is_nearest(self) -> bool:

@@ -24,6 +24,20 @@ class Violation:
 
 
 @dataclass(frozen=True)
+class Effort:
+    """Interior-point iterations and wall times (s) of a whole plan: draft and whole body.
+
+    Attributes:
+        solve_time_s, total_time_s, build_time_s: as of a `SolveReport`.
+    """
+
+    iterations: int
+    solve_time_s: float
+    total_time_s: float
+    build_time_s: float
+
+
+@dataclass(frozen=True)
 class SolveReport:
     """Status, effort and wall times (s) of a solve.
 
@@ -78,3 +92,14 @@ class Refinement:
             total_time_s=other.total_time_s + self.total_time_s,
             build_time_s=other.build_time_s + self.build_time_s,
         )
+
+
+def effort_of(draft: SolveReport, whole_body: Refinement | None) -> Effort:
+    """What both solves of a plan took together."""
+    solves = (draft,) if whole_body is None else (draft, whole_body)
+    return Effort(
+        iterations=sum(each.iterations for each in solves),
+        solve_time_s=sum(each.solve_time_s for each in solves),
+        total_time_s=sum(each.total_time_s for each in solves),
+        build_time_s=sum(each.build_time_s for each in solves),
+    )

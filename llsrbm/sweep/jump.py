@@ -190,9 +190,13 @@ def _one_line(error: Exception) -> str:
 
 def _solve(plan: Plan) -> TableRow:
     """Effort and result of a solve, whether it converged or not."""
-    names = ("iterations", "attempts", "cost", "solve_time_s")
-    worst = max((each.amount for each in plan.violations.values()), default=None)
-    return {**{name: getattr(plan.report, name) for name in names}, "violation": worst}
+    return {
+        "iterations": plan.effort.iterations,
+        "attempts": plan.report.attempts,
+        "cost": plan.cost,
+        "solve_time_s": plan.effort.solve_time_s,
+        "violation": max((each.amount for each in plan.violations.values()), default=None),
+    }
 
 
 def _stop(error: NotConverged, diagnosed: bool) -> TableRow:

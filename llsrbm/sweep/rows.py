@@ -82,8 +82,8 @@ _PLAN = (
         "stop_needed", NUMBER, "SI", "diagnosed: the value that it would need, if one alone does"
     ),
     Column("message", TEXT, "", "the error"),
-    Column("iterations", WHOLE, "", "of the solve that counts"),
-    Column("attempts", WHOLE, "", "how many guesses were tried"),
+    Column("iterations", WHOLE, "", "of draft and whole body, those that count"),
+    Column("attempts", WHOLE, "", "guesses of the draft; 0: begun from solved jumps"),
     Column("cost", NUMBER, "", "of the plan"),
     Column("duration_s", NUMBER, "s", "of the motion"),
     Column("takeoff_s", NUMBER, "s", "until no foot stands for the first time"),

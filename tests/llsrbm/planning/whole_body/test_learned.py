@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import llsrbm
 from llsrbm import certified_plan, drafting
+from llsrbm.analysis.summaries import plan_summary
 from llsrbm.certificate import certified
 from llsrbm.ocp import fatrop_patches
 from llsrbm.ocp.horizon import Iterate
@@ -157,6 +158,10 @@ def test_no_draft_is_made_where_the_table_leads_to_a_plan_that_holds():
     plan = from_the_table()
     assert plan.certified
     assert (plan.report.attempts, plan.report.iterations) == (0, 0)
+    # Its figures are then the whole body's, not zeros.
+    summary = plan_summary(plan)
+    for name in ("iterations", "solve_time_s", "cost"):
+        assert summary[name] == getattr(plan.refinement, name) > 0
 
 
 def test_a_draft_is_made_where_the_certificate_does_not_hold(monkeypatch):
