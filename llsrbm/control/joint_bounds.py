@@ -16,7 +16,6 @@ from llsrbm.arrays import Array
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.robots import Robot
 
-MARGIN = 0.01  # share of a joint's range that is kept from either stop
 # Share of the drive's torque at rest. With half of it, joints with rotors that end a push near a
 # stop slow down before the feet leave, and robots twist off tilted.
 BRAKING = 0.9
@@ -30,9 +29,8 @@ class JointBounds:
     """Bounds on the joints' accelerations of a robot as the controller believes it is."""
 
     def __init__(self, robot: Robot) -> None:
-        lower, upper = robot.joint_stops
-        margin = MARGIN * (upper - lower)
-        self._stops = np.stack([lower + margin, margin - upper])
+        lower, upper = robot.kept_stops
+        self._stops = np.stack([lower, -upper])
         self._torque = BRAKING * robot.torque_limit
         self._speed = SPEED * robot.speed_limit
 

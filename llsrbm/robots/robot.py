@@ -27,6 +27,9 @@ from llsrbm.robots.schema import RobotFile
 PerLimb = float | tuple[float, ...] | None
 """One number for all joints of a limb, or one each from the base outwards; None: there are none."""
 
+# Share of a joint's range that plans and the controller keep from either stop. A plan that came
+# nearer was braked by the controller as it crouched: an A1 left the ground by 52 mm/s too slowly.
+STOP_MARGIN = 0.01
 _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.
 _NOT_OF_PLANS: Any = {
@@ -258,6 +261,16 @@ class Robot:
     def joint_stops(self) -> Array:
         """(2, J) rad or m: the URDF's lower and upper ends, in the order of `joint_names`."""
         return np.array([self.model.lowerPositionLimit[7:], self.model.upperPositionLimit[7:]])
+
+    @cached_property
+    def kept_stops(self) -> Array:
+        """(2, J) rad or m: the ends that whole bodies' plans and the controller keep to.
+
+        The robot's own posture is within them.
+        """
+        (lower, upper), stands = self.joint_stops, self.posture[7:]
+        margin = STOP_MARGIN * (upper - lower)
+        return np.array([np.minimum(lower + margin, stands), np.maximum(upper - margin, stands)])
 
     @cached_property
     def sliding_joints(self) -> frozenset[str]:

@@ -56,7 +56,7 @@ class RowBounds:
 
     def _bounds(self, name: str, size: int, knot: Knot, half: int) -> tuple[Array, Array]:
         """`half`: of the start's instants, the knot or the middle after it."""
-        limits, model = self.start.task.limits, self.robot.model
+        limits = self.start.task.limits
         reserve = self.robot.file.reserve
         landed = self.grid.phase_at(half) >= self.grid.last_landing
         most = {"speed": limits.speed_share, "torque": limits.torque_share, "drive": 1.0}
@@ -71,7 +71,8 @@ class RowBounds:
             case "durations":
                 return self.start.duration_bounds
             case "stop":
-                return model.lowerPositionLimit[7:], model.upperPositionLimit[7:]
+                lower, upper = self.robot.kept_stops
+                return lower, upper
             case "edge":
                 return self._edge(knot, half)
             case "clearance":
