@@ -22,13 +22,14 @@ def pose_inputs(kind: LimbKind) -> dict[str, int]:
 
 
 def pose_outputs(kind: LimbKind) -> dict[str, int]:
-    """Outputs of `leg_pose`, world axes: the foot's place, velocity and (of soles) axes and rate;
-    the middles of its balls and how fast they rise; the knee's height; in base axes from the base's
-    origin, the foot, and the middle of the shank.
+    """Outputs of `leg_pose`, world axes: the foot's place; of soles its velocity, axes and rate; of
+    a point foot how fast the point of its ball slides that is lowest; the middles of balls and how
+    fast they rise; the knee's height; in base axes from the base's origin, the foot, and the middle
+    of the shank.
     """
-    soles = {"sole": 9, "omega": 3} if kind.corners > 1 else {}
+    moves = {"velocity": 3, "sole": 9, "omega": 3} if kind.corners > 1 else {"slides": 2}
     shank = 1 if kind.knee is None else 2
-    found = {"foot": 3, "velocity": 3, **soles, "balls": 3 * kind.corners, "rises": kind.corners}
+    found = {"foot": 3, **moves, "balls": 3 * kind.corners, "rises": kind.corners}
     return found | {"knee_height": shank - 1, "shank": 3 * shank}
 
 
@@ -62,7 +63,6 @@ def leg_pose(kind: LimbKind) -> Derived:
     up = R_world_base[2, :].T
     found = {
         "foot": place,
-        "velocity": x["velocity"] + ca.mtimes(R_world_base, turned),
         "balls": ca.vertcat(*(place + ca.mtimes(R_world_base, arm) for arm in arms)),
         "rises": ca.vertcat(
             *(x["velocity"][2] + ca.dot(up, turned + cross(omega, arm)) for arm in arms)
@@ -72,8 +72,13 @@ def leg_pose(kind: LimbKind) -> Derived:
     }
     if kind.corners > 1:
         axes = ca.reshape(n("axes"), 3, 3)
+        found["velocity"] = x["velocity"] + ca.mtimes(R_world_base, turned)
         found["sole"] = ca.vec(ca.mtimes(R_world_base, mark(ca.mtimes(R, axes))))
         found["omega"] = ca.mtimes(R_world_base, omega)
+    else:
+        lowest = arms[0] - n("radius") * up
+        slides = x["velocity"] + ca.mtimes(R_world_base, turned + cross(omega, lowest))
+        found["slides"] = slides[:2]
     if knee is not None:
         found["knee_height"] = x["position"][2] + ca.dot(up, knee)
         found["shank"] = ca.vertcat(foot, (foot + knee) / 2)

@@ -1,8 +1,9 @@
 """Feet, shanks and knees in a pose, as expressions, and the rows that they keep to.
 
 What touches are balls: that of a point foot, those at the corners of a sole. A foot that stands
-does not slide, and its ball is as high as it stands; frames of point feet may be beside the middle
-of their balls (ANYmal's by 23 mm), and are higher or lower as shanks lean.
+does not slide, and its ball is as high as it stands. A point foot's rolls as its shank turns, by 2
+cm as a Go2 crouches; its frame may be beside the middle of the ball (ANYmal's by 23 mm), and is
+higher or lower as the shank leans.
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ class Leg:
 
     Attributes:
         foot: (3,) m, of its frame; sole: (3, 3) its axes; None of a ball.
-        velocity, omega: (3,) m/s, rad/s of the frame.
+        velocity, omega: (3,) m/s, rad/s of a sole's frame; slides: (2,) m/s, horizontally, of the
+            lowest point of a point foot's ball.
         balls: (3,) m each, their middles; rises: m/s, how fast they do.
         radius: m of the balls.
         knee_height: m; empty if it has no knee.
@@ -39,6 +41,7 @@ class Leg:
     velocity: Any
     sole: Any
     omega: Any
+    slides: Any
     balls: list[Any]
     rises: list[Any]
     radius: Any
@@ -52,9 +55,10 @@ class Leg:
         soles = kind.corners > 1
         return cls(
             foot=at["foot"],
-            velocity=at["velocity"],
+            velocity=at["velocity"] if soles else None,
             sole=ca.reshape(at["sole"], 3, 3) if soles else None,
             omega=at["omega"] if soles else None,
+            slides=None if soles else at["slides"],
             balls=ca.vertsplit(at["balls"], 3),
             rises=ca.vertsplit(at["rises"]),
             radius=radius,
@@ -89,13 +93,15 @@ def off_place(leg: Leg, ground: Ground) -> list[Any]:
 
 
 def rest(leg: Leg, ground: Ground) -> Any:
-    """Rows that are zero where a foot stands: its velocity makes up for what it has drifted."""
+    """Rows that are zero where a foot stands: its velocity makes up for what it has drifted.
+
+    A ball rolls where its shank turns it, and is not called back.
+    """
     off = off_place(leg, ground)
     if len(leg.balls) > 1:
         turn = (leg.omega + DRIFT * off[1]) / TURN_UNIT
         return ca.vertcat(leg.velocity + DRIFT * off[0], turn)
-    velocity = ca.vertcat(leg.velocity[0], leg.velocity[1], leg.rises[0])
-    return velocity + DRIFT * off[0]
+    return ca.vertcat(leg.slides, leg.rises[0] + DRIFT * off[0][2])
 
 
 def landing(leg: Leg, ground: Ground) -> Any:

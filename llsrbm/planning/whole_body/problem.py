@@ -9,12 +9,14 @@ from operator import itemgetter
 import numpy as np
 from numpy.typing import NDArray
 
+from llsrbm.body.rolling import rolled
 from llsrbm.ocp.horizon import Horizon, Problem, Run
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
 from llsrbm.planning.whole_body.stage import composed_stage
 from llsrbm.planning.whole_body.start import LANDED, Start
+from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
 
@@ -35,12 +37,13 @@ def make_horizon(sizes: Sizes, grid: Grid) -> Horizon:
 def make_problem(rows: RowBounds) -> Problem:
     """A plan's numbers."""
     lower, upper = zip(*((low, high) for *_, low, high in rows), strict=True)
-    own = _parameters(rows.grid, rows.sizes, rows.start)
+    own = _parameters(rows)
     parameters = np.concatenate([robot_numbers(rows.robot), own])
     return Problem(parameters, np.concatenate(lower), np.concatenate(upper))
 
 
-def _parameters(grid: Grid, sizes: Sizes, start: Start) -> Array:
+def _parameters(rows: RowBounds) -> Array:
+    grid, sizes, start = rows.grid, rows.sizes, rows.start
     values = np.zeros((len(grid.knots), sum(sizes.own.values())))
     own = parts(values, sizes.own)
     for name, state in start.state.items():
@@ -54,8 +57,17 @@ def _parameters(grid: Grid, sizes: Sizes, start: Start) -> Array:
     slope = start.apart.slope.reshape(len(start.time), -1)
     own["apart"][:] = slope[::2]
     own["apart_in_middle"][:-1] = slope[1::2]
-    own["place"][:] = start.place[::2].reshape(len(values), -1)
+    place = start.place[::2].copy()
+    place[..., :2] += _rolled(rows.robot, grid, start)
+    own["place"][:] = place.reshape(len(values), -1)
     own["heading"][:] = start.heading.reshape(len(values), -1)
     for k, phase in enumerate(grid.phase):
         own["towards"][k] = start.task.towards(int(phase)).ravel()
     return values.ravel()
+
+
+def _rolled(robot: Robot, grid: Grid, start: Start) -> Array:
+    """(N + 1, L, 2) m: how far feet have rolled from where they stand at rest, by the start."""
+    phase = np.append(grid.phase, len(grid.phases) - 1)
+    state = start.state
+    return rolled(robot, state["joint_position"], state["quat"], start.task.schedule, phase)

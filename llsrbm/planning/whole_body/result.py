@@ -45,15 +45,16 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     joints = at.q[:, 7:]
     com, inertia, momentum, foot_position, foot_rotation, lowest = _by_pinocchio(robot, at.q, at.v)
     phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
-    # Standing feet drift by less than the rows' tolerance from where they are planned to stand.
     rests = _resting(plan.schedule.stands[phase])
-    stands = feet.place.copy()
-    # Frames of point feet are higher or lower than they stand as shanks lean.
-    stands[..., 2] += (foot_position[..., 2] - lowest) * (len(robot.corners) == 1)
+    # Soles drift by less than the rows' tolerance from where they are planned to stand.
+    stands, touches = feet.place.copy(), feet.place.copy()
+    if robot.file.foot.is_point:  # balls roll, and their frames rise and sink as shanks lean
+        stands[..., :2] = touches[..., :2] = foot_position[..., :2]
+        stands[..., 2] += foot_position[..., 2] - lowest
     foot_position = np.where(rests[..., None], stands, foot_position)
     foot_quat = np.where(rests[..., None], feet.quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T
-    touches = np.where(rests[..., None], feet.place, foot_position)
+    touches = np.where(rests[..., None], touches, foot_position)
     contact_point = touches[:, :, None] + np.swapaxes(corners, -1, -2)
 
     node_count = grid.intervals * len(NODES)
