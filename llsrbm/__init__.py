@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from llsrbm.analysis.sensitivity import sensitivity
-    from llsrbm.api import plan, simulate
+    from llsrbm.api import largest, plan, simulate
     from llsrbm.certificate import certified, certify
     from llsrbm.errors import (
         Cancelled,
@@ -44,7 +44,7 @@ _LATER = {
     name: module
     for module, names in {
         "llsrbm.analysis.sensitivity": ("sensitivity",),
-        "llsrbm.api": ("plan", "simulate"),
+        "llsrbm.api": ("largest", "plan", "simulate"),
         "llsrbm.certificate": ("certified", "certify"),
         "llsrbm.errors": (
             *("Cancelled", "Error", "FileFormatError", "InputError", "NotConverged"),
@@ -82,6 +82,7 @@ __all__ = [
     "certify",
     "dump_design",
     "export",
+    "largest",
     "load",
     "load_design",
     "load_motion",

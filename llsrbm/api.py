@@ -11,6 +11,7 @@ from llsrbm.certified_nearest import NOT_FOUND, plan_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
+from llsrbm.largest_jump import Largest, largest_jump
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
@@ -113,6 +114,47 @@ def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool
         message = not_feasible(NOT_FOUND, task.jump, found.jump)
         raise NotConverged(message, draft, nearest=found, reason=NOT_FOUND)
     return found
+
+
+def largest(
+    jump: Jump,
+    component: str,
+    *,
+    weights: Mapping[str, float] | None = None,
+    limits: Mapping[str, float] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Callable[[PlanningProgress], None] | None = None,
+) -> Largest:
+    """The largest jump in one direction that is planned, everything else as requested.
+
+    The range of the robot's file does not bound it, what stops it is a limit: of the drives, of
+    joints, of friction, of time, or of links that come near to each other. Only jumps of the whole
+    body whose certificate holds count. It is what a search by steps of up to 5 cm or 10 degrees
+    comes to, each plan begun from the one before: nothing proves that no larger jump exists.
+
+    Args:
+        jump: the request; a component that it asks for in that direction is the least.
+        component: "twist" (to the left), "forward", "backward", "lateral" (to the left), "up" or
+            "down".
+        weights, limits, cancelled, progress: as of `plan`.
+
+    Raises:
+        InputError: as of `plan`, a component that is none, and a jump that turns over.
+        NotConverged: the request has no plan whose certificate holds, from which to begin.
+    """
+    plain = Drafting(
+        solver=solver_names()[0],
+        intervals=INTERVALS,
+        weights=weights,
+        limits=limits,
+        near=None,
+        patient=True,
+        explains=True,
+        hurried=False,
+        cancelled=cancelled,
+        progress=progress,
+    )
+    return largest_jump(of_its_type(jump), component, plain)
 
 
 def simulate(

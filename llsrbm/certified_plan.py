@@ -54,13 +54,15 @@ class CertifiedPlanner:
         Where no plan is found it is the draft, without a certificate; its `refinement` says so.
         Raises `Cancelled`: `cancelled` was true.
         """
-        return self._held(self.checked(self._refined(draft, 1.0)))
+        return self.held(self._refined(draft, 1.0))
 
-    def _held(self, found: Plan) -> Plan:
-        """A plan; or, where its certificate does not hold, that motion with more intervals.
+    def held(self, plan: Plan) -> Plan:
+        """A plan with its certificate; where that does not hold, that motion with more intervals.
 
-        Of what holds at their nodes less is missed between.
+        The more intervals there are, the less is missed between the nodes at which rows hold.
+        Raises `Cancelled`: `cancelled` was true.
         """
+        found = self.checked(plan)
         if not (self.finer and found.refined and may_hold_elsewhere(found)):
             return found
         # Its solver is built first, which takes seconds.
@@ -97,7 +99,7 @@ class CertifiedPlanner:
             cancelled=self.cancelled,
             progress=self.progress,
         )
-        found = begun and self._held(self.checked(begun))
+        found = begun and self.held(begun)
         return found if found is not None and found.certified else None
 
     def checked(self, plan: Plan) -> Plan:

@@ -79,6 +79,8 @@ class Stop:
         where = f"in {self.phase} at {self.time:.2f} s"
         if self.limit is None:
             what = self.title or f"{self.constraint} is violated"
+            if self.amount == 0:
+                return f"{what} {where}"
             return f"{what} by {self.amount:.3g} {self.unit} {where}"
         if self.amount == 0:
             return f"the {self.title} is at its limit of {self.value:.3g}{unit}"

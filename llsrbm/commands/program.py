@@ -17,6 +17,7 @@ from llsrbm.commands.console import BAD_INPUT, DONE, FAILED, INTERRUPTED, print_
 from llsrbm.commands.deploy import deploy_command
 from llsrbm.commands.export import export_command, formats_command, replay_command
 from llsrbm.commands.identify import identify_command
+from llsrbm.commands.largest import largest_command
 from llsrbm.commands.listing import (
     designs_command,
     models_command,
@@ -79,7 +80,8 @@ def _llsrbm(
 
 app.add_typer(robot_app)
 for _command in (
-    *(plan_command, simulate_command, export_command, replay_command, robots_command),
+    *(plan_command, largest_command, simulate_command, export_command, replay_command),
+    *(robots_command,),
     *(models_command, types_command, tuning_command, formats_command, designs_command),
     *(check_command, compare_command, sweep_command, atlas_command, dataset_command),
     *(robot_sim_command, deploy_command, identify_command),

@@ -15,7 +15,7 @@ from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
 from llsrbm.planning.problem.stones import check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.jump_types import JumpType, load_type
 from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.obstacle import Obstacle
@@ -38,19 +38,19 @@ def make_task(
     robot: Robot,
     weights: Mapping[str, float] | None = None,
     limits: Mapping[str, float] | None = None,
+    *,
+    ranged: bool = True,
 ) -> Task:
     """Check the request and place it in the world.
+
+    `ranged`: refuse what is outside of the ranges of the robot's file.
 
     Raises:
         InputError: a value outside of the robot file's [task], a weight or a limit that is none, a
             jump type that is none or not for this robot, a foot where its leg does not reach.
     """
-    ranges = robot.file.for_jump(turns=jump.turns).task
-    for name in ("twist", "forward", "lateral", "height"):
-        low, high = getattr(ranges, name)
-        value = getattr(jump, name)
-        if not low - 1e-4 <= value <= high + 1e-4:
-            raise InputError(_out_of_range(robot.name, name, value, low, high))
+    if ranged:
+        _check_ranges(jump, robot)
     for name in ("speed", "end_speed"):
         value = getattr(jump, name)
         if not 0 <= value <= FASTEST:
@@ -83,10 +83,21 @@ def make_task(
 def task_of(plan: Plan, robot: Robot) -> Task:
     """The task of a plan, under the weights and limits that it was planned under.
 
+    The largest jumps are beyond the ranges of the robot's file.
+
     Raises:
         InputError: see `make_task`.
     """
-    return make_task(plan.jump, robot, plan.tuning.weights, plan.limits)
+    return make_task(plan.jump, robot, plan.tuning.weights, plan.limits, ranged=False)
+
+
+def _check_ranges(jump: Jump, robot: Robot) -> None:
+    ranges = robot.file.for_jump(turns=jump.turns).task
+    for name in COMPONENTS:
+        low, high = getattr(ranges, name)
+        value = getattr(jump, name)
+        if not low - 1e-4 <= value <= high + 1e-4:
+            raise InputError(_out_of_range(robot.name, name, value, low, high))
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:

@@ -21,6 +21,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.learned_file import table_for
 from llsrbm.planning.whole_body.motion import Motion
@@ -49,6 +50,7 @@ class Refiner:
         self.solver = _solver(robot, grid)
         self.last: Motion | None = None  # of the last plan, for studies
         self.solution: Solution | None = None  # likewise
+        self.rows: RowBounds | None = None  # of that solution
 
     def refine(
         self,
@@ -73,7 +75,7 @@ class Refiner:
         if plan.refined:
             rounds.near(start_of(plan, self.robot, self.grid).of_refined().straighter())
             return self._ended(rounds, plan, called)
-        nearby = self._nearby(plan.jump, plan.tuning) if learned else None
+        nearby = self.nearby(plan.jump, plan.tuning) if learned else None
         if nearby is not None:
             rounds.follow(self._beside(nearby, plan), nearby)
         if not rounds.solved:
@@ -90,20 +92,32 @@ class Refiner:
         Raises:
             Cancelled: `cancelled` was true.
         """
-        called = time.perf_counter()
-        nearby = self._nearby(task.jump, task.tuning)
+        nearby = self.nearby(task.jump, task.tuning)
         if nearby is None:
             return None
+        found = self.beside(task, nearby, watch)
+        return found if found.refined else None
+
+    def beside(self, task: Task, nearby: Iterate, watch: Watch) -> Plan:
+        """The whole body's plan, begun from the solution of a jump nearby, without a draft.
+
+        Where it is not found (`Plan.refined`) it has no knots.
+
+        Raises:
+            Cancelled: `cancelled` was true.
+        """
+        called = time.perf_counter()
         plan = unplanned(task, self.robot, self.solver.name)
         watch.begin("the whole body's dynamics, from jumps nearby")
         rounds = self._rounds(plan, watch)
         rounds.follow(self._beside(nearby, plan), nearby)
-        return self._ended(rounds, plan, called) if rounds.solved else None
+        return self._ended(rounds, plan, called)
 
     def _rounds(self, plan: Plan, watch: Watch) -> Rounds:
         return Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)
 
-    def _nearby(self, jump: Jump, tuning: Tuning) -> Iterate | None:
+    def nearby(self, jump: Jump, tuning: Tuning) -> Iterate | None:
+        """Where a jump begins by the robot's table of solved jumps; None: no table is of it."""
         table = table_for(jump, tuning, self.robot, self.grid)
         return None if table is None or table.sizes != self.solver.sizes else table.guess(jump)
 
@@ -114,6 +128,7 @@ class Refiner:
             assert rounds.motion is not None
             assert rounds.start is not None
             self.last, self.solution = rounds.motion, rounds.solution
+            self.rows = RowBounds(self.robot, self.grid, rounds.sizes, rounds.start)
             feet = Feet(rounds.start.place, rounds.start.foot_quat)
             whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
             result = replace(whole, violations=rounds.found, certificate=None)

@@ -1,0 +1,251 @@
+"""The largest jump in one direction, everything else as requested.
+
+The range of the robot's file does not bound it; only jumps of the whole body whose certificate
+holds count. It begins where the robot's table of solved jumps goes furthest, or else with the
+request itself. Then each next jump begins from the one before or, where that does not lead on,
+from what the table says; steps are halved where neither does. How far it gets depends
+on these steps: nothing proves that no larger jump exists.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+from llsrbm.certificate import Finding, stated
+from llsrbm.certified_plan import CertifiedPlanner
+from llsrbm.drafting import Drafting
+from llsrbm.errors import InputError, JointNeed, NotConverged
+from llsrbm.motion.plan import Plan
+from llsrbm.number_text import decimal, degrees
+from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.task import Task
+from llsrbm.planning.solve.jump_layout import layout_of
+from llsrbm.planning.solve.watch import Watch
+from llsrbm.planning.whole_body.binding import Edge
+from llsrbm.planning.whole_body.bounds import RowBounds
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.refine import Refiner
+from llsrbm.request.jump import STEPS, Jump
+from llsrbm.request.messages import look_up
+from llsrbm.robots import load_robot
+from llsrbm.robots.payload import with_payload
+
+SHARES = (
+    1.0,
+    0.75,
+    0.5,
+    0.25,
+)  # of the file's range, where the table's furthest jump is looked for
+NO_LIMIT = "no limit of the robot stops it as far as was searched"
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A component of a jump towards one side; amounts in whole steps of `STEPS`.
+
+    Attributes:
+        field: of a `Jump`; sign: of what is more of it; unit: SI.
+        first: steps at once, halved down to one; furthest: where a search ends.
+    """
+
+    field: str
+    sign: int
+    unit: str
+    first: int
+    furthest: int
+
+    def of(self, jump: Jump, steps: int) -> Jump:
+        """The jump with so many steps of it."""
+        return replace(jump, **{self.field: self.sign * steps * STEPS[self.field]})
+
+    def steps(self, amount: float) -> int:
+        """Whole steps in an amount of the field; none of one towards the other side."""
+        return max(0, math.floor(self.sign * amount / STEPS[self.field] + 1e-6))
+
+    def in_words(self, value: float) -> str:
+        """An amount, rad or m, for people."""
+        return degrees(value, 0) if self.unit == "rad" else f"{decimal(value, 2)} m"
+
+
+DIRECTIONS = {
+    "twist": Direction("twist", 1, "rad", 10, 1440),
+    "forward": Direction("forward", 1, "m", 5, 500),
+    "backward": Direction("forward", -1, "m", 5, 500),
+    "lateral": Direction("lateral", 1, "m", 5, 500),
+    "up": Direction("height", 1, "m", 5, 500),
+    "down": Direction("height", -1, "m", 5, 500),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Largest:
+    """The largest jump of one component.
+
+    Attributes:
+        component: a name of `DIRECTIONS`; value: in `unit`, "rad" or "m", of its direction.
+        limit: what stops more of it, in the words of a refusal.
+        plan: its plan, whose certificate holds.
+    """
+
+    component: str
+    value: float
+    unit: str
+    limit: str
+    plan: Plan
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """A jump that is planned: its steps, its plan, and its solution with the problem's rows."""
+
+    steps: int
+    plan: Plan
+    solution: Iterate
+    rows: RowBounds
+
+
+@dataclass(frozen=True)
+class Missed:
+    """A jump that is not; why: "" where no check of a certificate says it."""
+
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Search:
+    """The search of one request.
+
+    Attributes:
+        jump: the request; direction: what grows of it.
+        drafting: weights and limits; where it is not begun from a table, how its draft is made.
+    """
+
+    jump: Jump
+    direction: Direction
+    drafting: Drafting
+
+    def run(self) -> tuple[Reached, str]:
+        """The largest jump, and what stops more. Raises `NotConverged`: none is planned at all."""
+        best = self._begun()
+        easier, missed, step = best, Missed(), self.direction.first
+        while step and best.steps < self.direction.furthest:
+            found = self._tried(best.steps + step, best)
+            if isinstance(found, Reached):
+                easier, best, missed = best, found, Missed()
+            else:
+                step, missed = step // 2, found
+        if step:
+            return best, NO_LIMIT
+        before = None if easier is best else easier.solution
+        stop = None if missed.why else Edge(best.rows, best.solution, before).stop()
+        return best, missed.why or (NO_LIMIT if stop is None else str(stop))
+
+    def _begun(self) -> Reached:
+        """The furthest of the table's jumps, or the request's own plan."""
+        direction, asked = self.direction, getattr(self.jump, self.direction.field)
+        own = direction.steps(asked)
+        low, high = getattr(self._task(own, ranged=True).robot.file.task, direction.field)
+        end = direction.steps(high if direction.sign > 0 else low)
+        for steps in dict.fromkeys([*(math.floor(share * end) for share in SHARES), own]):
+            found = self._tried(steps) if steps >= own else None
+            if isinstance(found, Reached):
+                return found
+        return self._from_draft(own)
+
+    def _from_draft(self, steps: int) -> Reached:
+        jump, of = self.direction.of(self.jump, steps), self.drafting
+        draft = of.draft(jump, load_robot(jump.robot))
+        found = self._refiner.refine(draft, cancelled=of.cancelled, progress=of.progress)
+        reached = self._judged(steps, found)
+        if isinstance(reached, Missed):
+            why = reached.why or "no motion of the whole body that keeps all limits was found"
+            raise NotConverged(f"no jump to begin from: {why}", found, reason=why)
+        return reached
+
+    def _tried(self, steps: int, best: Reached | None = None) -> Reached | Missed:
+        """A jump, begun from the largest that is planned, or from the table's."""
+        missed = Missed()
+        try:
+            task = self._task(steps)
+        except InputError as error:  # a foot would have no place to stand
+            return Missed(str(error))
+        for nearby in self._starts(task, best):
+            found = self._judged(steps, self._refiner.beside(task, nearby, self._watch))
+            if isinstance(found, Reached):
+                return found
+            missed = found if found.why else missed
+        return missed
+
+    def _starts(self, task: Task, best: Reached | None) -> Iterator[Iterate]:
+        if best is not None:
+            yield best.solution
+        nearby = self._refiner.nearby(task.jump, task.tuning)
+        if nearby is not None:
+            yield nearby
+
+    def _judged(self, steps: int, plan: Plan) -> Reached | Missed:
+        if not plan.refined:
+            return Missed()
+        solution, rows = self._refiner.solution, self._refiner.rows
+        assert solution is not None
+        assert rows is not None
+        held = self._planner.held(plan)
+        if held.certified:
+            return Reached(steps, held, solution, rows)
+        return Missed(_not_held(held))
+
+    def _task(self, steps: int, *, ranged: bool = False) -> Task:
+        jump, of = self.direction.of(self.jump, steps), self.drafting
+        robot = with_payload(load_robot(jump.robot), jump.payload)
+        return make_task(jump, robot, of.weights, of.limits, ranged=ranged)
+
+    @cached_property
+    def _refiner(self) -> Refiner:
+        task = self._task(self.direction.steps(getattr(self.jump, self.direction.field)))
+        counts = layout_of(task.jump, task.robot, self.drafting.intervals).intervals
+        self._watch.wait()
+        return self._watch.built(partial(Refiner, task.robot, Grid.at(task.schedule, counts)))
+
+    @property
+    def _planner(self) -> CertifiedPlanner:
+        return CertifiedPlanner(cancelled=self.drafting.cancelled, progress=self.drafting.progress)
+
+    @property
+    def _watch(self) -> Watch:
+        return Watch(self.drafting.cancelled, self.drafting.progress)
+
+
+def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
+    """The largest jump of a component. Raises as `llsrbm.largest`."""
+    direction = look_up("component", component, DIRECTIONS)
+    if jump.turns:
+        raise InputError(
+            "the largest jump is looked for among plans of the whole body, which are not made of "
+            "jumps that turn over; expected no roll and no pitch"
+        )
+    best, limit = Search(jump, direction, drafting).run()
+    value = best.steps * STEPS[direction.field]
+    return Largest(component, value, direction.unit, limit, best.plan)
+
+
+def _not_held(plan: Plan) -> str:
+    """The first check of a certificate that does not hold, in words; "" where the robot has no part
+    in it: what the equations of motion miss between nodes is of the intervals.
+    """
+    found = stated(plan)
+    broken = [each for each in found.broken if each.name != "dynamics"] if found else []
+    return _in_words(broken[0]) if broken else ""
+
+
+def _in_words(finding: Finding) -> str:
+    at = f"at {finding.time_s or 0.0:.2f} s"
+    worst, limit = finding.worst or 0.0, finding.limit
+    if finding.name.startswith(("joint_speed", "joint_torque", "torque_at_speed")) and limit:
+        return str(JointNeed(finding.where, worst * limit, limit, finding.unit, at))
+    what = finding.name.replace("_", " ")
+    allowed = "" if finding.allowed is None else f", allowed is {finding.shown(finding.allowed)}"
+    return f"{what} of {finding.where} is {finding.shown(worst)} {at}{allowed}"
