@@ -60,7 +60,11 @@ class Direction:
 
     def of(self, jump: Jump, steps: int) -> Jump:
         """The jump with so many steps of it."""
-        return replace(jump, **{self.field: self.sign * steps * STEPS[self.field]})
+        return replace(jump, **{self.field: self.sign * self.value(steps)})
+
+    def value(self, steps: int) -> float:
+        """So many steps, rad or m."""
+        return round(steps * STEPS[self.field], 9)
 
     def steps(self, amount: float) -> int:
         """Whole steps in an amount of the field; none of one towards the other side."""
@@ -228,8 +232,7 @@ def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
             "jumps that turn over; expected no roll and no pitch"
         )
     best, limit = Search(jump, direction, drafting).run()
-    value = best.steps * STEPS[direction.field]
-    return Largest(component, value, direction.unit, limit, best.plan)
+    return Largest(component, direction.value(best.steps), direction.unit, limit, best.plan)
 
 
 def _not_held(plan: Plan) -> str:
