@@ -13,6 +13,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 from llsrbm.certificate import Finding, stated
 from llsrbm.certified_plan import CertifiedPlanner
@@ -60,7 +61,8 @@ class Direction:
 
     def of(self, jump: Jump, steps: int) -> Jump:
         """The jump with so many steps of it."""
-        return replace(jump, **{self.field: self.sign * self.value(steps)})
+        changed: dict[str, Any] = {self.field: self.sign * self.value(steps)}
+        return replace(jump, **changed)
 
     def value(self, steps: int) -> float:
         """So many steps, rad or m."""
@@ -92,7 +94,7 @@ class Largest:
     Attributes:
         component: a name of `DIRECTIONS`; value: in `unit`, "rad" or "m", of its direction.
         limit: what stops more of it, in the words of a refusal.
-        plan: its plan, whose certificate holds.
+        plan: its plan, whose certificate holds; smaller: those on the way, in order.
     """
 
     component: str
@@ -100,6 +102,7 @@ class Largest:
     unit: str
     limit: str
     plan: Plan
+    smaller: tuple[Plan, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,26 +135,25 @@ class Search:
     direction: Direction
     drafting: Drafting
 
-    def run(self) -> tuple[Reached, str]:
-        """The largest jump, and what stops more. Raises `NotConverged`: none is planned at all."""
-        best = self._begun()
-        easier, missed, step = best, Missed(), self.direction.first
-        while step and best.steps < self.direction.furthest:
-            found = self._tried(best.steps + step, best)
+    def run(self) -> tuple[list[Reached], str]:
+        """Ever larger jumps, and what stops more. Raises `NotConverged`: not one is planned."""
+        way, missed, step = [self._begun()], Missed(), self.direction.first
+        while step and way[-1].steps < self.direction.furthest:
+            found = self._tried(way[-1].steps + step, way[-1])
             if isinstance(found, Reached):
-                easier, best, missed = best, found, Missed()
+                way.append(found)
             else:
                 step, missed = step // 2, found
         if step:
-            return best, NO_LIMIT
-        before = None if easier is best else easier.solution
-        stop = None if missed.why else Edge(best.rows, best.solution, before).stop()
-        return best, missed.why or (NO_LIMIT if stop is None else str(stop))
+            return way, NO_LIMIT
+        before = way[0].solution if len(way) > 1 else None
+        stop = None if missed.why else Edge(way[-1].rows, way[-1].solution, before).stop()
+        return way, missed.why or (NO_LIMIT if stop is None else str(stop))
 
     def _begun(self) -> Reached:
         """The furthest of the table's jumps, or the request's own plan."""
-        direction, asked = self.direction, getattr(self.jump, self.direction.field)
-        own = direction.steps(asked)
+        direction = self.direction
+        own = direction.steps(getattr(self.jump, direction.field))
         low, high = getattr(self._task(own, ranged=True).robot.file.task, direction.field)
         end = direction.steps(high if direction.sign > 0 else low)
         for steps in dict.fromkeys([*(math.floor(share * end) for share in SHARES), own]):
@@ -231,8 +233,10 @@ def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
             "the largest jump is looked for among plans of the whole body, which are not made of "
             "jumps that turn over; expected no roll and no pitch"
         )
-    best, limit = Search(jump, direction, drafting).run()
-    return Largest(component, direction.value(best.steps), direction.unit, limit, best.plan)
+    way, limit = Search(jump, direction, drafting).run()
+    *smaller, plan = (each.plan for each in way)
+    value = direction.value(way[-1].steps)
+    return Largest(component, value, direction.unit, limit, plan, tuple(smaller))
 
 
 def _not_held(plan: Plan) -> str:

@@ -80,11 +80,10 @@ def _llsrbm(
 
 app.add_typer(robot_app)
 for _command in (
-    *(plan_command, largest_command, simulate_command, export_command, replay_command),
-    *(robots_command,),
+    *(plan_command, simulate_command, export_command, replay_command, robots_command),
     *(models_command, types_command, tuning_command, formats_command, designs_command),
-    *(check_command, compare_command, sweep_command, atlas_command, dataset_command),
-    *(robot_sim_command, deploy_command, identify_command),
+    *(check_command, compare_command, largest_command, sweep_command, atlas_command),
+    *(dataset_command, robot_sim_command, deploy_command, identify_command),
 ):
     app.command(_command.__name__.removesuffix("_command").replace("_", "-"))(_command)
 

@@ -34,13 +34,15 @@ _SCALES = {
     "stop": SCALES["rad"],
     "durations": SCALES["s"],
 }
+_SIDES = {"max": "long", "min": "short"}
+_LIMITS = {"torque": "torque_share", "drive": "torque_share", "speed": "speed_share"}
 
 
 class _Row(NamedTuple):
     name: str
     knot: int
     time: float  # s
-    index: int  # among the rows of that name there
+    place: int  # among the rows of that name there
     at_upper: bool  # which of its bounds it leans on
     bound: float  # that one
 
@@ -66,15 +68,16 @@ class Edge:
         if row.name == "friction":
             return self._of_limit(row, "friction")
         if row.name == "durations":
-            of = self.rows.start.task.schedule[row.index]
+            of = self.rows.start.task.schedule[row.place]
             end = "max" if row.at_upper else "min"
             if isinstance(of.time, str):
                 return self._of_limit(row, f"{of.time}_{end}")
-            return self._plain(row, f"{of.name} lasts as {'long' if row.at_upper else 'short'}")
+            return self._plain(row, f"{of.name} is as {_SIDES[end]} as it may")
         need = self._need(row)
         if need is None:
             return self._plain(row, self._geometry(row))
-        return Stop(row.name, self._phase(row), row.time, 0.0, need.unit, row.name, demand=need)
+        where = self._phase(row), row.time, 0.0
+        return Stop(row.name, *where, need.unit, _LIMITS.get(row.name), demand=need)
 
     def _row(self) -> _Row | None:
         before = 0.0 if self.before is None else np.abs(self.before.multipliers)
@@ -95,22 +98,22 @@ class Edge:
         return found
 
     def _need(self, row: _Row) -> JointNeed | None:
-        """What a joint is at its limit of; None: the row is not of a drive or a stop."""
+        """The joint that is at a limit, and which; None: the row is not of a drive or a stop."""
         if row.name not in ("torque", "drive", "speed", "stop"):
             return None
-        robot, joint = self.rows.robot, row.index
+        robot, joint = self.rows.robot, row.place
         name = robot.joint_names[joint]
-        force, place = ("N", "m") if name in robot.sliding_joints else ("Nm", "rad")
-        has, unit, when = abs(row.bound), place, self._when(row)
+        force, angle = ("N", "m") if name in robot.sliding_joints else ("Nm", "rad")
+        has, unit, when = abs(row.bound), angle, self._when(row)
         if row.name == "torque":
             has, unit = has * robot.torque_limit[joint], force
         elif row.name == "speed":
-            has, unit = has * robot.speed_limit[joint], f"{place}/s"
+            has, unit = has * robot.speed_limit[joint], f"{angle}/s"
         elif row.name == "stop":
             has = row.bound
         else:
             speed, torque = self._drive(row)
-            has, unit, when = speed, f"{place}/s", f"with {torque:.3g} {force} {when}"
+            has, unit, when = speed, f"{angle}/s", f"with {torque:.3g} {force} {when}"
         return JointNeed(name, float(has), float(has), unit, when)
 
     def _drive(self, row: _Row) -> tuple[float, float]:
@@ -120,9 +123,9 @@ class Edge:
         first, last = rows.start.time[2 * row.knot], rows.start.time[2 * row.knot + 2]
         share = np.array([(row.time - first) / (last - first)])
         at = motion.within(np.array([row.knot]), share)
-        speed = float(at.v[0, _BASE + row.index])
-        left = row.bound - speed / (limits.speed_share * rows.robot.speed_limit[row.index])
-        torque = left * limits.torque_share / DRIVE_SLOPE * rows.robot.torque_limit[row.index]
+        speed = float(at.v[0, _BASE + row.place])
+        left = row.bound - speed / (limits.speed_share * rows.robot.speed_limit[row.place])
+        torque = left * limits.torque_share / DRIVE_SLOPE * rows.robot.torque_limit[row.place]
         return abs(speed), abs(float(torque))
 
     def _geometry(self, row: _Row) -> str:
@@ -133,27 +136,32 @@ class Edge:
         swings = [leg for leg in range(sizes.legs) if leg not in stands]
         match row.name:
             case "clearance":
-                return f"the foot of {names[swings[row.index // sizes.heights]]} flies as low"
+                leg = names[swings[row.place // sizes.heights]]
+                return f"the foot of {leg} flies as low as it may"
             case "edge":
-                leg = names[swings[row.index // sizes.corners]]
-                return f"the foot of {leg} comes as near to an edge that it crosses"
+                leg = names[swings[row.place // sizes.corners]]
+                return f"the foot of {leg} comes as near to an edge that it crosses as it may"
             case "knees":
-                return f"the knee of {names[stands[row.index]]} comes as near to the ground"
+                leg = names[stands[row.place]]
+                return f"the knee of {leg} comes as near to the ground as it may"
             case "shanks":
-                one, other = sizes.pairs_with(stands)[row.index // (1 + sizes.knees)]
-                return f"{names[one]} and {names[other]} come as near to each other"
+                one, other = sizes.pairs_with(stands)[row.place // (1 + sizes.knees)]
+                return f"{names[one]} and {names[other]} come as near to each other as they may"
         return self._near_links(row)
 
     def _near_links(self, row: _Row) -> str:
         # Distances between links do not change with the base's place; those to solids do.
         half = 2 * row.knot + int(row.time > self.rows.start.time[2 * row.knot])
-        slope: Array = self.rows.start.apart.slope[half, row.index]
+        slope: Array = self.rows.start.apart.slope[half, row.place]
         joints = np.flatnonzero(slope[_BASE:])
         legs = zip(self._legs, self.rows.robot.leg_joint_index, strict=True)
         near = [name for name, own in legs if np.isin(joints, own).any()]
         if slope[:_BASE].any():
-            return f"{' and '.join(near) or 'the trunk'} comes as near to what is landed on"
-        return f"{' and '.join(near) or 'an arm'} come as near to another link"
+            what = f"leg {near[0]}" if near else "the trunk"
+            return f"{what} comes as near to what is stood on as it may"
+        if len(near) > 1:
+            return f"{' and '.join(near)} come as near to each other as they may"
+        return f"{near[0] if near else 'an arm'} comes as near to another link as it may"
 
     @property
     def _legs(self) -> list[str]:
@@ -166,7 +174,7 @@ class Edge:
 
     def _plain(self, row: _Row, title: str) -> Stop:
         where = self._phase(row), row.time, 0.0
-        return Stop(row.name, *where, "1", title=f"{title} as it may")
+        return Stop(row.name, *where, "1", title=title)
 
     def _interval(self, row: _Row) -> int:
         return min(row.knot, self.rows.grid.intervals - 1)
