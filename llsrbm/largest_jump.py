@@ -179,6 +179,8 @@ class Search:
             task = self._task(steps)
         except InputError as error:  # a foot would have no place to stand
             return Missed(str(error))
+        words = self.direction.in_words(self.direction.value(steps))
+        self._watch.begin(f"trying {words} of {self.direction.field}")
         for nearby in self._starts(task, best):
             found = self._judged(steps, self._refiner.beside(task, nearby, self._watch))
             if isinstance(found, Reached):

@@ -34,10 +34,11 @@ def largest_command(
     del context  # of the options that only count where they are given
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
+        from llsrbm.largest_jump import DIRECTIONS
 
         request = options.requested_design(design, requested)
         tuning = options.requested_tuning(request.tuning, weight, limit)
-        found, failure = None, None
+        summary: dict[str, Any] = {"robot": request.jump.robot, "component": component}
         try:
             found = llsrbm.largest(
                 request.jump,
@@ -47,21 +48,18 @@ def largest_command(
                 progress=console.show_planning,
             )
         except NotConverged as error:
-            failure = error
-        if found is not None and out is not None:
+            none = {"value": None, "unit": DIRECTIONS[component].unit}
+            if as_json:
+                summary |= none | {"limit": error.reason or str(error)}
+                console.print_result(summary, {}, stdout, as_json=True)
+            raise  # one line, exit status 1
+        if out is not None:
             llsrbm.with_feedback(found.plan).save(out)
-        summary: dict[str, Any] = {"robot": request.jump.robot, "component": component}
-        if found is not None:
-            plain = {"value": found.value, "unit": found.unit, "limit": found.limit}
-            summary |= plain | {"request": found.plan.jump.as_dict()}
-        elif failure is not None:
-            summary |= {"value": None, "unit": None, "limit": failure.reason or str(failure)}
-        lines = {} if found is None else _description(found)
-        if as_json or lines:
-            console.print_result(summary, lines, stdout, as_json=as_json)
-        if failure is not None:
-            console.print_error(str(failure))
-    return console.DONE if failure is None else console.FAILED
+        summary |= {"value": found.value, "unit": found.unit, "limit": found.limit}
+        summary |= {"request": found.plan.jump.as_dict()}
+        lines = {} if as_json else _description(found)
+        console.print_result(summary, lines, stdout, as_json=as_json)
+    return console.DONE
 
 
 def _description(found: Largest) -> dict[str, str]:

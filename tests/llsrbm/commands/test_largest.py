@@ -71,7 +71,7 @@ def test_where_there_is_none_the_exit_status_is_1(searched, capfd):
     assert cli.main(["largest", "--component", "up", "--json"]) == 1
     out, err = capfd.readouterr()
     assert json.loads(out) == {
-        "robot": "anymal", "component": "up", "value": None, "unit": None, "limit": "why",
+        "robot": "anymal", "component": "up", "value": None, "unit": "m", "limit": "why",
     }  # fmt: skip
     assert "llsrbm: no jump to begin from: why\n" in err
 
