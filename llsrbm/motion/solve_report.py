@@ -95,7 +95,7 @@ class Refinement:
 
 
 def effort_of(draft: SolveReport, whole_body: Refinement | None) -> Effort:
-    """What both solves of a plan took together."""
+    """The effort of both solves of a plan together."""
     solves = (draft,) if whole_body is None else (draft, whole_body)
     return Effort(
         iterations=sum(each.iterations for each in solves),
