@@ -117,9 +117,13 @@ class Reached:
 
 @dataclass(frozen=True)
 class Missed:
-    """A jump that is not; why: "" where no check of a certificate says it."""
+    """A jump that is not; why: "" where no check of a certificate says it.
+
+    `found`: a motion of it is, whose certificate does not hold.
+    """
 
     why: str = ""
+    found: bool = False
 
 
 @dataclass(frozen=True)
@@ -174,7 +178,6 @@ class Search:
 
     def _tried(self, steps: int, best: Reached | None = None) -> Reached | Missed:
         """A jump, begun from the largest that is planned, or from the table's."""
-        missed = Missed()
         try:
             task = self._task(steps)
         except InputError as error:  # a foot would have no place to stand
@@ -183,10 +186,10 @@ class Search:
         self._watch.begin(f"trying {words} of {self.direction.field}")
         for nearby in self._starts(task, best):
             found = self._judged(steps, self._refiner.beside(task, nearby, self._watch))
-            if isinstance(found, Reached):
+            # From elsewhere mostly the same motion is found.
+            if isinstance(found, Reached) or found.found:
                 return found
-            missed = found if found.why else missed
-        return missed
+        return Missed()
 
     def _starts(self, task: Task, best: Reached | None) -> Iterator[Iterate]:
         if best is not None:
@@ -204,7 +207,7 @@ class Search:
         held = self._planner.held(plan)
         if held.certified:
             return Reached(steps, held, solution, rows)
-        return Missed(_not_held(held))
+        return Missed(_not_held(held), found=True)
 
     def _task(self, steps: int, *, ranged: bool = False) -> Task:
         jump, of = self.direction.of(self.jump, steps), self.drafting
