@@ -39,7 +39,7 @@ def score(found: Largest, seeds: range) -> None:
     for plan in (found.plan, *reversed(found.smaller)):
         counts, why = simulated(plan, seeds)
         strict = f"{counts.strict} of {counts.requests} strict, {counts.stand} stand"
-        print(f"  {in_words(found, plan)}: {strict}; {why}", flush=True)
+        print(f"  {in_words(found, plan)}: {strict}{why and f'; {why}'}", flush=True)
         if counts.strict >= STRICT * counts.requests:
             break
 

@@ -16,6 +16,7 @@ from functools import cached_property, partial
 from typing import Any
 
 from llsrbm.certificate import Finding, stated
+from llsrbm.certified_nearest import NOT_FOUND
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, JointNeed, NotConverged
@@ -172,7 +173,7 @@ class Search:
         found = self._refiner.refine(draft, cancelled=of.cancelled, progress=of.progress)
         reached = self._judged(steps, found)
         if isinstance(reached, Missed):
-            why = reached.why or "no motion of the whole body that keeps all limits was found"
+            why = reached.why or NOT_FOUND
             raise NotConverged(f"no jump to begin from: {why}", found, reason=why)
         return reached
 

@@ -156,12 +156,13 @@ class Edge:
         joints = np.flatnonzero(slope[_BASE:])
         legs = zip(self._legs, self.rows.robot.leg_joint_index, strict=True)
         near = [name for name, own in legs if np.isin(joints, own).any()]
+        if len(near) > 1:
+            return f"{' and '.join(near)} come as near to each other as they may"
         if slope[:_BASE].any():
             what = f"leg {near[0]}" if near else "the trunk"
             return f"{what} comes as near to what is stood on as it may"
-        if len(near) > 1:
-            return f"{' and '.join(near)} come as near to each other as they may"
-        return f"{near[0] if near else 'an arm'} comes as near to another link as it may"
+        what = f"leg {near[0]}" if near else "an arm"
+        return f"{what} comes as near to another link as it may"
 
     @property
     def _legs(self) -> list[str]:
