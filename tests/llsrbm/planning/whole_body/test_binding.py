@@ -1,5 +1,6 @@
 """`Edge`: the row that stops a jump from growing, in the words of refusals."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -79,3 +80,22 @@ def test_what_has_grown_since_an_easier_jump_counts():
 def test_where_no_row_has_grown_there_is_none():
     found, _ = edge("torque", 2, 11)
     assert Edge(found.rows, found.solution, found.solution).stop() is None
+
+
+@pytest.mark.parametrize(
+    ("moving", "words"),
+    [
+        ((6, 9), "FL and FR come as near to each other as they may"),
+        ((6,), "leg FL comes as near to another link as it may"),
+        ((2, 17), "leg RR comes as near to what is stood on as it may"),
+        ((2,), "the trunk comes as near to what is stood on as it may"),
+    ],
+)
+def test_links_that_come_near_are_those_whose_joints_move_them_apart(moving, words):
+    """`moving`: velocities, the base's first, with which a distance changes."""
+    found, time = edge("apart", 12, 1)
+    start = found.rows.start
+    slope = np.zeros_like(start.apart.slope)
+    slope[24, 1, list(moving)] = 1.0
+    rows = replace(found.rows, start=replace(start, apart=replace(start.apart, slope=slope)))
+    assert str(Edge(rows, found.solution).stop()) == f"{words} in flight at {time:.2f} s"
