@@ -63,10 +63,10 @@ class Slip(Check):
     """Standing feet stay where they stand, by the forward kinematics of the motion itself.
 
     worst: the largest distance in m of a contact point from where it was when the foot came to
-    stand. A ball may roll: of two ways, that of the leg's foot frame, about which a plan's foot
+    stand. A ball may roll: of two ways, that of the leg's foot frame, about which a draft's foot
     turns, with the ball's in height, and that of the point by which the ball touches, the shorter
     one counts.
-    `limit`: 1 cm; between its knots a plan's feet wander by about half.
+    `limit`: 1 cm; between its knots a draft's feet wander by about half.
     """
 
     name, unit = "slip", "m"

@@ -78,6 +78,16 @@ def test_the_default_posture_stands_on_the_ground_below_its_com(robot):
         assert robot.posture[leg.q_index] == pytest.approx(robot.file.posture[leg.name])
 
 
+def test_kept_stops_leave_room_but_for_the_posture_in_which_it_stands(robot):
+    (lower, upper), (kept, kept_above) = robot.joint_stops, robot.kept_stops
+    stands, margin = robot.posture[7:], 0.01 * (upper - lower)
+    assert ((kept <= stands) & (stands <= kept_above)).all()
+    away = (stands > lower + margin) & (stands < upper - margin)
+    assert away.sum() > len(stands) / 2
+    np.testing.assert_allclose(kept[away], (lower + margin)[away])
+    np.testing.assert_allclose(kept_above[away], (upper - margin)[away])
+
+
 def test_mass_and_inertia_are_those_of_all_bodies(robot):
     """Summed body by body with the parallel-axis theorem, not by Pinocchio's composite."""
     data = robot.model.createData()
