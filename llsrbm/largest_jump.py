@@ -36,12 +36,8 @@ from llsrbm.request.messages import look_up
 from llsrbm.robots import load_robot
 from llsrbm.robots.payload import with_payload
 
-SHARES = (
-    1.0,
-    0.75,
-    0.5,
-    0.25,
-)  # of the file's range, where the table's furthest jump is looked for
+# Of the file's range, where the table's furthest jump is looked for.
+SHARES = (1.0, 0.75, 0.5, 0.25)
 NO_LIMIT = "no limit of the robot stops it as far as was searched"
 
 

@@ -42,14 +42,7 @@ from llsrbm.files.quantity import (
     quantities,
     vector,
 )
-from llsrbm.motion.solve_report import (
-    NEAREST,
-    Effort,
-    Refinement,
-    SolveReport,
-    Violation,
-    effort_of,
-)
+from llsrbm.motion.solve_report import NEAREST, Effort, Refinement, SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
@@ -225,7 +218,7 @@ class Plan(OfRobot):
     @property
     def effort(self) -> Effort:
         """Iterations and times of draft and whole body together."""
-        return effort_of(self.report, self.refinement)
+        return Effort.of(self.report, self.refinement)
 
     @property
     def cost(self) -> float:

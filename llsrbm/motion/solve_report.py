@@ -36,6 +36,17 @@ class Effort:
     total_time_s: float
     build_time_s: float
 
+    @classmethod
+    def of(cls, draft: SolveReport, whole_body: Refinement | None) -> Effort:
+        """Both solves of a plan together."""
+        solves = (draft,) if whole_body is None else (draft, whole_body)
+        return cls(
+            iterations=sum(each.iterations for each in solves),
+            solve_time_s=sum(each.solve_time_s for each in solves),
+            total_time_s=sum(each.total_time_s for each in solves),
+            build_time_s=sum(each.build_time_s for each in solves),
+        )
+
 
 @dataclass(frozen=True)
 class SolveReport:
@@ -92,14 +103,3 @@ class Refinement:
             total_time_s=other.total_time_s + self.total_time_s,
             build_time_s=other.build_time_s + self.build_time_s,
         )
-
-
-def effort_of(draft: SolveReport, whole_body: Refinement | None) -> Effort:
-    """The effort of both solves of a plan together."""
-    solves = (draft,) if whole_body is None else (draft, whole_body)
-    return Effort(
-        iterations=sum(each.iterations for each in solves),
-        solve_time_s=sum(each.solve_time_s for each in solves),
-        total_time_s=sum(each.total_time_s for each in solves),
-        build_time_s=sum(each.build_time_s for each in solves),
-    )

@@ -27,8 +27,9 @@ from llsrbm.robots.schema import RobotFile
 PerLimb = float | tuple[float, ...] | None
 """One number for all joints of a limb, or one each from the base outwards; None: there are none."""
 
-# Share of a joint's range that plans and the controller keep from either stop. A plan that came
-# nearer was braked by the controller as it crouched: an A1 left the ground by 52 mm/s too slowly.
+# Share of a joint's range that plans and the controller keep from either stop. The controller
+# brakes what is planned nearer: an A1 whose feet rolled unplanned left the ground by 52 mm/s too
+# slowly as it crouched, by 5 without the controller's bound, by 46 with this margin in its plan.
 STOP_MARGIN = 0.01
 _BASE_JOINT = 1  # Pinocchio's index of the free flyer
 # What of a robot file no plan depends on.

@@ -158,7 +158,7 @@ def test_balls_roll_where_their_shanks_turn():
 
 
 def test_a_simulated_take_off_takes_the_planned_torques():
-    """Of a robot that nothing disturbs; where feet were points it took 3.3 % more or less."""
+    """Of a robot that nothing disturbs."""
     _, second, robot = plans()
     rollout = llsrbm.simulate(certified(second))
     rising = rollout.time < second.lift_off - 0.01
