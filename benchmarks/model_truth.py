@@ -25,6 +25,7 @@ from llsrbm import models
 from llsrbm.analysis.model_turn import model_turn
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.request import jump_types
+from llsrbm.request.jump import PLAIN
 from llsrbm.request.jump_types import with_defaults
 
 
@@ -37,7 +38,7 @@ def main() -> None:
     parser.add_argument(
         "--type",
         nargs="+",
-        default=[jump_types.DEFAULT],
+        default=[PLAIN],
         help=f'jump types, or "all": {", ".join(jump_types.names())}',
     )
     parser.add_argument("--model", nargs="+", default=[*models.MODELS], choices=[*models.MODELS])

@@ -15,6 +15,7 @@ from app.panel.fields import Ends, Field, Fields, switch
 from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
     extra_fields,
+    says_where,
     title_of_type,
     turn_title,
     turns_offered,
@@ -26,8 +27,9 @@ from app.viser_private import uuid_of
 from llsrbm import models
 from llsrbm.look.titles import title_of_model
 from llsrbm.request import jump_types
-from llsrbm.request.jump import ARMS, COMPONENTS, MOST_HOPS, Jump
+from llsrbm.request.jump import ARMS, COMPONENTS, Jump
 from llsrbm.request.jump_types import JumpType
+from llsrbm.request.route import MOST
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.payload import HEAVIEST
 
@@ -62,7 +64,7 @@ def _slider(
         ends=ends or of_task,
         step=step,
         slider=True,
-        there=lambda jump: ends is None or name in extra_fields(jump),
+        there=lambda jump: name in (says_where(jump) if ends is None else extra_fields(jump)),
     )
 
 
@@ -86,7 +88,21 @@ SLIDERS = (
         "Number of jumps in a row, each as far as the sliders say",
         "hops",
         1.0,
-        (1.0, MOST_HOPS),
+        (1.0, MOST),
+    ),
+    _slider(
+        "Gap [m]",
+        "Width of the gap that the whole robot passes over",
+        "gap",
+        0.01,
+        (0.05, 0.6),
+    ),
+    _slider(
+        "Bar [m]",
+        "Height of the bar that the whole robot passes over",
+        "bar",
+        0.01,
+        (0.03, 0.4),
     ),
 )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from llsrbm.errors import InputError
 from llsrbm.request import jump_types
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import COMPONENTS, PLAIN, Jump
 from llsrbm.request.jump_types import JumpType, with_defaults
 from llsrbm.robots import Robot
 
@@ -42,7 +42,7 @@ def type_of_title(title: str, otherwise: str) -> str:
 
 def not_supported(robot: Robot, name: str) -> str:
     """The sentence that says that a robot's jump is of the default type instead."""
-    what, default = title_of_type(name), title_of_type(jump_types.DEFAULT)
+    what, default = title_of_type(name), title_of_type(PLAIN)
     return f'{robot.file.title} does not support "{what}". Planning "{default}" instead.'
 
 
@@ -54,7 +54,17 @@ def with_type(jump: Jump, name: str) -> Jump:
     jump = with_defaults(replace(jump, type=name))
     if jump.turns:
         jump = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
-    return jump
+    others: dict[str, Any] = dict.fromkeys(set(COMPONENTS) - set(says_where(jump)), 0.0)
+    return replace(jump, **others)
+
+
+def says_where(jump: Jump) -> tuple[str, ...]:
+    """Its fields that say where to land; none of a route, which says it itself."""
+    if jump.route:
+        return ()
+    kind = jump_types.names().get(jump.type)
+    passes = kind is not None and kind.passes
+    return tuple(name for name in COMPONENTS if not (passes and name == "forward"))
 
 
 def extra_fields(jump: Jump) -> tuple[str, ...]:

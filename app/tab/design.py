@@ -18,9 +18,8 @@ from app.tab.effects import Notify, Share, ShowGallery, ShowHelp, ShowTuning
 from app.tab.planning.known import answer_of, show_again, with_answer
 from app.tab.planning.requests import plan_design, plan_or_keep, remember, untitled
 from app.tab.state import History, TabState
-from llsrbm.request import jump_types
 from llsrbm.request.design import Design
-from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.jump import COMPONENTS, PLAIN, Jump
 from llsrbm.request.tuning import Tuning
 
 _OTHER_SLIDERS = "The sliders hold {}'s own example now; Undo brings the robot before back."
@@ -57,7 +56,7 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
     file, jump = state.robots[jump.robot], replace(jump, payload=(), stones=())
     if not file.arms:
         jump = replace(jump, arms=Jump.arms)
-    if jump.type == jump_types.DEFAULT:
+    if jump.type == PLAIN:
         example = file.example.model_dump()
         return Jump(robot=jump.robot, model=jump.model, arms=jump.arms, **example)
     ends = file.for_jump(turns=jump.turns).task.model_dump()

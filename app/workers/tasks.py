@@ -252,7 +252,7 @@ whether the apex is limited."""
 def solver_of(jump: Jump, tuning: Tuning | None = None) -> Solver:
     """The solver that a request needs."""
     apex = tuning is not None and limits_apex(tuning.limits)
-    return jump.robot, jump.model, jump.type, jump.hops, jump.arms, apex
+    return jump.robot, jump.model, jump.type, jump.jumps, jump.arms, apex
 
 
 @dataclass(frozen=True)

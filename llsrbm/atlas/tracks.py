@@ -41,6 +41,8 @@ def why_unknown(jump: Jump, limits: Mapping[str, float], robot: Robot) -> str:
     plain = Jump(robot=jump.robot)
     if jump.stones:
         return "with feet landing elsewhere"
+    if jump.route:
+        return "of a route"
     names = {*plain.as_dict()} - {*COMPONENTS, "model", "arms"}
     if any(getattr(jump, name) != getattr(plain, name) for name in names):
         return "of this type of jump"

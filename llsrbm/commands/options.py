@@ -19,6 +19,7 @@ from llsrbm.errors import InputError
 from llsrbm.number_text import decimal, degrees
 from llsrbm.request.jump import TYPE_PARAMETERS, Jump, Load, parse_payload
 from llsrbm.request.messages import FieldSpec, Number, field_specs
+from llsrbm.request.route import Route, load_route
 from llsrbm.request.scenario import PushList, Scenario, parse_push
 from llsrbm.request.stones import StoneList, parse_stone
 from llsrbm.request.tuning import Tuning
@@ -176,10 +177,11 @@ def in_words(jump: Jump) -> str:
     """The request in one line, in the command line's units."""
     plain = Jump()
     words = [] if jump.type == plain.type else [jump.type]
-    words.append(
-        f"twist {degrees(jump.twist, 0)}, forward {decimal(jump.forward, 2)} m, lateral "
-        f"{decimal(jump.lateral, 2)} m, height {decimal(jump.height, 2)} m"
-    )
+    words += [
+        f"twist {degrees(place.twist, 0)}, forward {decimal(place.forward, 2)} m, lateral "
+        f"{decimal(place.lateral, 2)} m, height {decimal(place.height, 2)} m"
+        for place in jump.route or (jump,)
+    ]
     words += [
         f"{name} {degrees(turn, 0)}"
         for name, turn in (("roll", jump.roll), ("pitch", jump.pitch))
@@ -189,6 +191,11 @@ def in_words(jump: Jump) -> str:
         f"{name} {decimal(speed, 2)} m/s"
         for name, speed in (("speed", jump.speed), ("end speed", jump.end_speed))
         if speed
+    ]
+    words += [
+        f"{name} {decimal(size, 2)} m"
+        for name, size in (("gap", jump.gap), ("bar", jump.bar))
+        if size
     ]
     if jump.hops != plain.hops:
         words.append(f"{jump.hops} hops")
@@ -238,6 +245,8 @@ def _in_library_units(field: str, spec: FieldSpec, value: Any) -> Any:
         return tuple(map(parse_stone, value))
     if isinstance(spec, Load):
         return parse_payload(value)
+    if isinstance(spec, Route):
+        return load_route(value)
     return math.radians(value) if isinstance(spec, Number) and spec.unit == "rad" else value
 
 
@@ -250,7 +259,7 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
         shown: bool | str = True
         if isinstance(spec, PushList | StoneList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]
-        elif isinstance(spec, Load):
+        elif isinstance(spec, Load | Route):
             default, annotation = None, str | None
         elif kind is Jump and field.name in TYPE_PARAMETERS:
             default, annotation, shown = None, annotation | None, _OF_THE_TYPE

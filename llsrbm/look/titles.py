@@ -9,6 +9,7 @@ from pathlib import Path
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.jump import Jump
+from llsrbm.request.route import Landing
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import read_robot_file
@@ -74,6 +75,10 @@ def file_words(jump: Jump) -> str:
     parts = [words.replace(" x ", "x") for words in turns]
     if jump.hops > 1:
         parts = [f"hops{jump.hops}", *parts]
+    if jump.route:
+        parts = [f"route{len(jump.route)}", *parts]
+    parts += [f"gap{round(100 * jump.gap)}cm"] if jump.gap else []
+    parts += [f"bar{round(100 * jump.bar)}cm"] if jump.bar else []
     if _is_worth_naming(jump):
         parts = [Path(jump.type).stem, *parts]
     if degrees := round(math.degrees(jump.twist)):
@@ -158,17 +163,20 @@ def _task(jump: Jump) -> str:
         *_turns(jump.pitch, "front flip", "back flip"),
         *_turns(jump.roll, "roll to the right", "roll to the left"),
     ]
-    parts = [*turns, f"{round(math.degrees(jump.twist), 1):g}°"] if jump.twist else turns
-    parts += [
-        f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
-        for length, onwards, backwards in _moves(jump)
-        if length
-    ]
-    task = " + ".join(parts) or "on the spot"
+    task = " + ".join([*turns, *_components(jump)])
+    if not (task or jump.gap or jump.bar):
+        task = "on the spot"
+    if jump.route:
+        each = [" + ".join(_components(place)) or "on the spot" for place in jump.route]
+        task = f"route: {', '.join(each)}"
     if jump.hops > 1:
-        task = f"{jump.hops} hops {'of ' if parts else ''}{task}"
+        of = "of " if turns or _components(jump) else ""
+        task = f"{jump.hops} hops {of}{task}"
     if _is_worth_naming(jump):
-        task = f"{Path(jump.type).stem} {task}"
+        task = f"{Path(jump.type).stem} {task}".rstrip()
+    for name, size in (("gap", jump.gap), ("bar", jump.bar)):
+        if size:
+            task += f" of {round(100 * size, 1):g} cm"
     if jump.speed:
         task += f" from {jump.speed:g} m/s"
     if jump.end_speed:
@@ -176,7 +184,18 @@ def _task(jump: Jump) -> str:
     return task
 
 
-def _moves(jump: Jump) -> tuple[tuple[float, str, str], ...]:
+def _components(place: Jump | Landing) -> list[str]:
+    """Where a jump leads: "90°", "30 cm forward"."""
+    parts = [f"{round(math.degrees(place.twist), 1):g}°"] if place.twist else []
+    parts += [
+        f"{round(100 * abs(length), 1):g} cm {onwards if length > 0 else backwards}"
+        for length, onwards, backwards in _moves(place)
+        if length
+    ]
+    return parts
+
+
+def _moves(jump: Jump | Landing) -> tuple[tuple[float, str, str], ...]:
     """Displacements, m, and their directions in words where they are positive and negative."""
     return (
         (jump.forward, "forward", "back"),
@@ -187,7 +206,7 @@ def _moves(jump: Jump) -> tuple[tuple[float, str, str], ...]:
 
 def _is_worth_naming(jump: Jump) -> bool:
     """Whether the type is neither the default nor implied by hops or turns; it may be a file."""
-    implied = {"hops": jump.hops > 1, "flip": bool(jump.turns)}
+    implied = {"hops": jump.jumps > 1, "flip": bool(jump.turns)}
     return jump.type != Jump.type and not implied.get(jump.type, False)
 
 

@@ -17,6 +17,8 @@ from llsrbm.request.messages import (
     choices,
     field_specs,
 )
+from llsrbm.request.obstacle import HIGHEST, WIDEST
+from llsrbm.request.route import MOST, Landing, Route, as_rows
 from llsrbm.request.stones import STONE, Stone, StoneList, by_leg
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
@@ -28,13 +30,15 @@ COMPONENTS = ("twist", "forward", "lateral", "height")
 STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
 """Whole steps (rad, m) of which the components of nearest jumps are."""
 
-TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops")
+TYPE_PARAMETERS = ("roll", "pitch", "speed", "end_speed", "hops", "gap", "bar")
 """Fields of a `Jump` beyond where to land, which a jump type may ask for."""
+
+PLAIN, IN_A_ROW = "together", "hops"
+"""Jump types: the default one, and that of routes of several landings that name no other."""
 
 FREE, HELD = "free", "held"
 ARMS = (FREE, HELD)
 
-MOST_HOPS = 5
 PAYLOAD = "KG[,X,Y,Z]"
 FARTHEST = 1.0  # m, of a payload from the origin of the trunk's frame
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
@@ -92,7 +96,7 @@ class Jump:
     type: Annotated[
         str,
         Name("Jump type: a name (see `llsrbm types`) or the path of a type's TOML file", "", 1000),
-    ] = "together"
+    ] = PLAIN
     roll: Annotated[
         float,
         Number(
@@ -114,8 +118,16 @@ class Jump:
         float, Number("Forward speed at the end, along the landing heading", "M/S", unit="m/s")
     ] = 0.0
     hops: Annotated[
-        int, Whole("Jumps in a row, each as far as the displacement says", "N", 1, MOST_HOPS)
+        int, Whole("Jumps in a row, each as far as the displacement says", "N", 1, MOST)
     ] = 1
+    gap: Annotated[
+        float,
+        Number("Width of the gap that the whole robot passes over", "M", 0.0, WIDEST, "m"),
+    ] = 0.0
+    bar: Annotated[
+        float,
+        Number("Height of the bar that the whole robot passes over", "M", 0.0, HIGHEST, "m"),
+    ] = 0.0
     arms: Annotated[
         str,
         Name("Arms, where the robot has some: free, to shape the inertia, or held as they hang"),
@@ -136,9 +148,19 @@ class Jump:
             STONE,
         ),
     ] = ()
+    route: Annotated[
+        tuple[Landing, ...],
+        Route(
+            "Landings one after the other in place of where to jump and of hops, each from where "
+            "the robot stood before: a TOML file with a table [[landing]] for each, of forward, "
+            "lateral, height (m) and twist (deg)",
+            "FILE",
+        ),
+    ] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
+        self._check_route()
         if self.arms not in ARMS:
             raise InputError(f'arms: no choice "{self.arms}"; {choices(self.arms, ARMS)}')
         for name in ("roll", "pitch"):
@@ -149,15 +171,41 @@ class Jump:
                     "-360, 0 or 360 deg"
                 )
 
+    def _check_route(self) -> None:
+        if not self.route:
+            return
+        beside = [name for name in COMPONENTS if getattr(self, name)]
+        if beside or self.hops > 1:
+            raise InputError(
+                f"route: the request has {beside[0] if beside else 'hops'}, too; expected that its "
+                "landings alone say where to jump"
+            )
+        changed: dict[str, Any] = {"type": IN_A_ROW} if self.type == PLAIN else {}
+        if len(self.route) == 1:  # a plain jump
+            changed = self.route[0]._asdict() | {"route": ()}
+        for name, value in changed.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def jumps(self) -> int:
+        """Number of jumps in a row."""
+        return len(self.route) or self.hops
+
     @property
     def turns(self) -> bool:
         """True if the body turns over: a whole turn of roll or pitch."""
         return bool(self.roll or self.pitch)
 
     def as_dict(self) -> dict[str, Any]:
-        """The request as plain data, for files and messages; `stones` where there are some."""
-        found = asdict(self) | {"payload": list(self.payload), "stones": by_leg(self.stones)}
-        return found if self.stones else {n: value for n, value in found.items() if n != "stones"}
+        """The request as plain data, for files and messages; without stones or route it has no
+        such key.
+        """
+        found = asdict(self) | {
+            "payload": list(self.payload),
+            "stones": by_leg(self.stones),
+            "route": as_rows(self.route),
+        }
+        return {n: value for n, value in found.items() if value or n not in ("stones", "route")}
 
 
 def changes(wanted: Jump, found: Jump) -> str:

@@ -20,14 +20,13 @@ from pydantic import Field, model_validator
 from llsrbm.arrays import Array
 from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
+from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.jump import TYPE_PARAMETERS as TYPE_PARAMETERS
-from llsrbm.request.jump import Jump
 from llsrbm.request.messages import choices
 from llsrbm.request.obstacle import wrong_shape
 from llsrbm.request.schedule import LONGEST_NAME, Phase, Schedule
 from llsrbm.request.tables import OneLine, Table, fault, read_table, validated
 
-DEFAULT = "together"
 _TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
 _SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
 _FEET = "all, none, front, hind, left, right, pivot, or an array of legs' names"
@@ -76,19 +75,17 @@ class Displacement(Table):
 
 
 class ObstacleRow(Table):
-    """A hurdle or a gap as a file has it."""
+    """A hurdle or a gap as a file has it; a request's `gap` says how wide, its `bar` how high."""
 
     # m ahead of the foremost contact point at the start.
     near: Annotated[float, Field(alias="from")]
-    far: Annotated[float, Field(alias="to")]
-    height: float  # m above the ground at the start; below zero: a gap, so deep
+    far: Annotated[float | None, Field(alias="to")] = None
+    height: float | None = None  # m above the ground at the start; below zero: a gap, so deep
 
-    @model_validator(mode="after")
-    def _check(self) -> ObstacleRow:
-        why = wrong_shape(self.near, self.far, self.height)
-        if why:
-            raise fault(why)
-        return self
+    def ends(self, jump: Jump) -> tuple[float, float, float]:
+        """From where to where, m ahead, and how high, m, of a request."""
+        far = self.near + jump.gap if self.far is None else self.far
+        return self.near, far, jump.bar if self.height is None else self.height
 
 
 class JumpType(Table):
@@ -98,7 +95,7 @@ class JumpType(Table):
     summary: Annotated[str, Field(min_length=1, max_length=200), OneLine]  # one line
     # Fields of a request of this type beside where to land.
     parameters: Annotated[
-        tuple[Literal["roll", "pitch", "speed", "end_speed", "hops"], ...],
+        tuple[Literal["roll", "pitch", "speed", "end_speed", "hops", "gap", "bar"], ...],
         Field(alias="asks", description=f"some of {', '.join(TYPE_PARAMETERS)}"),
     ] = ()
     defaults: dict[str, float | int] = Field(default_factory=dict)  # what it says if it is silent
@@ -108,6 +105,9 @@ class JumpType(Table):
     limits: dict[str, float] = Field(default_factory=dict)  # likewise
     displacement: tuple[Displacement, ...] = ()  # of each jump of several; none: the request's
     obstacle: ObstacleRow | None = None  # what is jumped over, if anything
+    # Whether all feet end beyond the obstacle; then it says how far the jumps lead, in two flights
+    # of a robot with front and hind feet, which stands astride in between, in one of another.
+    passes: bool = False
     clears_ground: bool = False  # whether trunk and knees have to be kept off the ground
     phase: Annotated[tuple[PhaseRow, ...], Field(min_length=1)]  # in order
 
@@ -122,6 +122,21 @@ class JumpType(Table):
             self._default_jump()
         except InputError as error:
             raise fault(str(error)) from error
+        return self
+
+    @model_validator(mode="after")
+    def _check_obstacle(self) -> JumpType:
+        row = self.obstacle
+        if row is None:
+            if self.passes:
+                raise fault('passes: there is nothing to pass; expected a table "obstacle"')
+            return self
+        for key, value, name in (("to", row.far, "gap"), ("height", row.height, "bar")):
+            if (value is None) != (name in self.parameters):
+                raise fault(f'obstacle.{key}: expected it, or "{name}" in "asks", and not both')
+        why = wrong_shape(*row.ends(self._default_jump()))
+        if why:
+            raise fault(f"obstacle: {why}")
         return self
 
     def _default_jump(self) -> Jump:
@@ -139,7 +154,9 @@ class JumpType(Table):
         Raises `InputError`: it has no such feet, or the phases are no schedule.
         """
         jump = jump or self._default_jump()
-        hops = jump.hops
+        hops = jump.jumps
+        if self.passes:
+            hops = 2 if "front" in _groups(robot) else 1
         if hops > 1 and not any(row.each_hop for row in self.phase):
             raise InputError(
                 f'hops: "{self.title}" is one jump; expected 1, or a type with phases of each hop'
@@ -157,7 +174,7 @@ class JumpType(Table):
 def names() -> dict[str, JumpType]:
     """The presets: name -> type, the default first."""
     found = {path.stem: load_type(path.stem) for path in sorted(_directory().glob("*.toml"))}
-    return {DEFAULT: found.pop(DEFAULT), **found}
+    return {PLAIN: found.pop(PLAIN), **found}
 
 
 def load_type(name: str) -> JumpType:

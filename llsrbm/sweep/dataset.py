@@ -292,6 +292,7 @@ def _task(values: dict[str, Any]) -> str:
         f"{name} {math.degrees(values[name]):.0f} deg" for name in ("roll", "pitch") if values[name]
     ]
     parts += [f"{name} {values[name]:.1f} m/s" for name in ("speed", "end_speed") if values[name]]
+    parts += [f"{name} {values[name]:.2f} m" for name in ("gap", "bar") if values[name]]
     parts += [f"{values['hops']} hops"] if values["hops"] > 1 else []
     parts += [] if values["arms"] == Jump.arms else [f"arms {values['arms']}"]
     kind = "" if values["type"] == Jump.type else f" ({values['type']})"

@@ -67,6 +67,8 @@ _REQUEST = (
     Column("speed", NUMBER, "m/s", "forward speed at the start"),
     Column("end_speed", NUMBER, "m/s", "forward speed at the end"),
     Column("hops", WHOLE, "", "jumps in a row"),
+    Column("gap", NUMBER, "m", "width of the gap that the whole robot passes over"),
+    Column("bar", NUMBER, "m", "height of the bar that the whole robot passes over"),
     Column("arms", TEXT, "", "of a robot that has some: free or held"),
     Column("drive_torque", NUMBER, "1", "torque of the drives, times the robot file's"),
     Column("drive_speed", NUMBER, "1", "speed of the drives, times the robot file's"),

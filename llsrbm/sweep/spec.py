@@ -97,6 +97,8 @@ class JumpAxes(Table):
     speed: _AnyAxis = None
     end_speed: _AnyAxis = None
     hops: _AnyAxis = None
+    gap: _AnyAxis = None
+    bar: _AnyAxis = None
 
 
 class DriveAxes(Table):

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from app.workers.tasks import PlanJump
 from llsrbm.motion.plan import Plan
 from llsrbm.request.jump import Jump
+from llsrbm.request.route import Landing
 from llsrbm.request.tuning import Tuning
 
 REST = 0.5
@@ -74,7 +75,7 @@ def _kind(jump: Jump) -> tuple[object, ...]:
     Phases are of a type, and of a number of hops; whole turns differ by turns; free arms are
     variables more.
     """
-    phases = jump.type, jump.hops, jump.roll, jump.pitch
+    phases = jump.type, jump.jumps, jump.roll, jump.pitch
     return jump.robot, jump.model, jump.arms, *phases
 
 
@@ -84,6 +85,13 @@ def _near(one: Jump, other: Jump) -> bool:
 
     return (
         apart("twist") <= _NEAR_TWIST
-        and apart("forward", "lateral", "height") <= _NEAR_MOVE
+        and apart("forward", "lateral", "height", "gap", "bar") <= _NEAR_MOVE
         and apart("speed", "end_speed") <= _NEAR_SPEED
+        and all(map(_near_landing, one.route, other.route))
     )
+
+
+def _near_landing(one: Landing, other: Landing) -> bool:
+    turned = abs(one.twist - other.twist)
+    moved = max(abs(a - b) for a, b in zip(one[:3], other[:3], strict=True))
+    return turned <= _NEAR_TWIST and moved <= _NEAR_MOVE

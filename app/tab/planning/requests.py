@@ -13,9 +13,8 @@ from app.tab.planning.refining import refine, wants_refining
 from app.tab.simulating import simulate_again, simulate_next
 from app.tab.state import TabState
 from app.workers import tasks
-from llsrbm.request import jump_types
 from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.tuning import Tuning
 
 ANSWERS = (Verdict.DRAFT, Verdict.NEAREST, Verdict.INFEASIBLE)
@@ -71,7 +70,7 @@ def _of_a_supported_type(state: TabState) -> TabState:
     if robot is None or jump.type in types_offered(robot):
         return state
     instead = f"{not_supported(robot, jump.type)} "
-    jump = with_type(jump, jump_types.DEFAULT)
+    jump = with_type(jump, PLAIN)
     state, design = untitled(state, jump, state.design.tuning)
     return replace(state, design=design).with_work(instead=instead)
 

@@ -13,12 +13,13 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import NoFooting
+from llsrbm.planning.problem.passing import RAMP, foot_reach, footing_room
 from llsrbm.planning.problem.task import Task
 from llsrbm.robots.feet import foot_contacts
 
-RAMP = 0.04  # m, length of a ramp: feet move about as far in an interval
 SHINS = (1 / 3, 2 / 3)  # of the way from knee to foot, points that are looked at
 LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of these
+_ROUNDED = 1e-6  # m
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 
@@ -68,7 +69,7 @@ def clearance_parameters(task: Task) -> dict[str, Array]:
     return {
         "obstacle": np.array(edges),
         "obstacle_heights": np.array([before, top, beyond]),
-        "obstacle_room": np.array([trunk_spacing(box), LEG_ROOM, foot_reach(task)]),
+        "obstacle_room": np.array([trunk_spacing(box), LEG_ROOM, foot_reach(task.robot)]),
         "body_margin": np.array([task.body_margin]),
         "trunk": box.ravel(),
     }
@@ -109,11 +110,6 @@ def foot_radius(task: Task) -> float:
     return max(contact.radius for contact in foot_contacts(task.robot))
 
 
-def foot_reach(task: Task) -> float:
-    """m, from the middle of a foot to where it ends, whichever way it looks."""
-    return foot_radius(task) + float(np.linalg.norm(task.corners, axis=1).max())
-
-
 def check_footing(task: Task) -> None:
     """Check that feet stand beside the obstacle, and at one height on either side. Raises
     `NoFooting`: one does not; which, and where it could stand.
@@ -121,7 +117,7 @@ def check_footing(task: Task) -> None:
     obstacle = task.obstacle
     if obstacle is None:
         return
-    room = foot_reach(task) + RAMP
+    room = footing_room(task.robot, obstacle) - _ROUNDED
     what = "gap" if obstacle.is_gap else "hurdle"
     legs = task.schedule.legs
     middle = (obstacle.near + obstacle.far) / 2

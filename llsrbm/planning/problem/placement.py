@@ -1,6 +1,6 @@
 """From a request to a `Task`: checked, and placed in the world."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,12 +13,13 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
+from llsrbm.planning.problem.passing import obstacle_of, passing
 from llsrbm.planning.problem.stones import check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import COMPONENTS, Jump
-from llsrbm.request.jump_types import JumpType, load_type
+from llsrbm.request.jump_types import Displacement, JumpType, load_type
 from llsrbm.request.jump_types import names as jump_types
-from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.route import Landing
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import read_robot_file, robot_files
@@ -93,11 +94,13 @@ def task_of(plan: Plan, robot: Robot) -> Task:
 
 def _check_ranges(jump: Jump, robot: Robot) -> None:
     ranges = robot.file.for_jump(turns=jump.turns).task
-    for name in COMPONENTS:
-        low, high = getattr(ranges, name)
-        value = getattr(jump, name)
-        if not low - 1e-4 <= value <= high + 1e-4:
-            raise InputError(_out_of_range(robot.name, name, value, low, high))
+    for number, place in enumerate(jump.route or (jump,), start=1):
+        for name in COMPONENTS:
+            low, high = getattr(ranges, name)
+            value = getattr(place, name)
+            if not low - 1e-4 <= value <= high + 1e-4:
+                why = _out_of_range(robot.name, name, value, low, high)
+                raise InputError(f"route: landing {number}: {why}" if jump.route else why)
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:
@@ -136,7 +139,8 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         robot = robot.turning
     kind = load_type(jump.type)
     schedule = kind.schedule(robot, jump)
-    places = _places(jump, kind, robot, schedule.places)
+    displacement = _displacement(jump, kind, schedule.places, robot)
+    places = _places(jump, displacement, robot, schedule.places)
     end = places[-1]
     Rz = turns_about_z(end.heading)
     turns = round((jump.roll + jump.pitch) / (2 * np.pi))
@@ -161,29 +165,48 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         robot=robot,
         weights=default_weights() | robot.file.planning | kind.weights | dict(tuning.weights),
         tuning=tuning,
-        obstacle=_obstacle(kind, places[0]),
+        obstacle=obstacle_of(jump, kind, places[0]),
         clears=kind.clears,
-        displacement=kind.displacement,
+        displacement=displacement,
     )
     return put_limits(put_limits(task, kind.limits), tuning.limits)
 
 
-def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footholds, ...]:
+def _displacement(
+    jump: Jump, kind: JumpType, count: int, robot: Robot
+) -> tuple[Displacement, ...] | tuple[Landing, ...]:
+    """Where each of several jumps leads if the request as such does not say: `count`, or ()."""
+    own = passing(jump, kind, count, robot) if kind.passes else kind.displacement
+    if own and jump.route:
+        raise InputError(
+            f'route: jump type "{kind.title}" says itself where its jumps lead; expected a route '
+            "with a type that does not"
+        )
+    found = jump.route or own
+    if found and len(found) != count:
+        where = "route" if jump.route else f'jump type "{kind.title}"'
+        raise InputError(
+            f"{where}: {len(found)} displacements for {count} landings; expected {count}, or none"
+        )
+    return found
+
+
+def _places(
+    jump: Jump,
+    displacement: Sequence[Displacement | Landing],
+    robot: Robot,
+    count: int,
+) -> tuple[Footholds, ...]:
     """Where the feet stand after each displacement; each along the heading after the one before.
 
     The request's stones are of the last one, at which every foot lands.
     """
-    if kind.displacement and len(kind.displacement) != count:
-        raise InputError(
-            f'jump type "{kind.title}": {len(kind.displacement)} displacements for {count} '
-            f"landings; expected {count}, or none"
-        )
     yaw = _headings(robot)
     turning = robot.foot_coordinates > 3
     places = [_footholds(robot, np.array(robot.feet), yaw, 0.0, np.zeros(3))]
     heading, shift = 0.0, np.zeros(3)
     for k in range(count):
-        own = kind.displacement[k] if kind.displacement else None
+        own = displacement[k] if displacement else None
 
         def moved(name: str, own: object = own) -> float:
             value = getattr(own, name, None)
@@ -198,15 +221,6 @@ def _places(jump: Jump, kind: JumpType, robot: Robot, count: int) -> tuple[Footh
         feet = stance @ turns_about_z(heading).T + shift
         places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift))
     return tuple(places)
-
-
-def _obstacle(kind: JumpType, start: Footholds) -> Obstacle | None:
-    """In the world, ahead of the foremost contact point at the start."""
-    row = kind.obstacle
-    if row is None:
-        return None
-    front = float(start.contacts[:, 0].max())
-    return Obstacle(front + row.near, front + row.far, row.height)
 
 
 def _footholds(robot: Robot, feet: Array, yaw: Array, heading: float, origin: Array) -> Footholds:

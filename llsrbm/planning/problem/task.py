@@ -15,6 +15,7 @@ from llsrbm.planning.problem.apex import FREE_APEX
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement
 from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.route import Landing
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.drives.variants import with_strength
@@ -155,7 +156,8 @@ class Task:
         requested: the request of which `jump` does less; None: `jump` is what was asked.
         penalty: cost of a whole range of it that is given up; 0: nothing may be
             (`problem.shortfall`).
-        displacement: what the jump type says of where each of several jumps leads; () nothing.
+        displacement: where each of several jumps leads, by the request's route or by the jump
+            type; () the request itself says it.
     """
 
     jump: Jump
@@ -184,7 +186,7 @@ class Task:
     clears: bool = False
     requested: Jump | None = None
     penalty: float = 0.0
-    displacement: tuple[Displacement, ...] = ()
+    displacement: tuple[Displacement, ...] | tuple[Landing, ...] = ()
     body_margin: float = BODY_MARGIN
     apex: tuple[float, float] = FREE_APEX
     drive_strength: float = 1.0

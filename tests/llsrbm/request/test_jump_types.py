@@ -7,7 +7,7 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.request import jump_types
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.jump_types import load_type, schedule_of, with_defaults
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
@@ -59,7 +59,7 @@ def refusal(path):
 
 def test_the_presets():
     found = jump_types.names()
-    assert next(iter(found)) == jump_types.DEFAULT == Jump().type
+    assert next(iter(found)) == PLAIN == Jump().type
     assert {"together", "rear-last", "flip", "run-up", "hops"} <= set(found)
     assert len({kind.title for kind in found.values()}) == len(found)
 
