@@ -59,6 +59,13 @@ def quaternions_about_z(angle: ArrayLike) -> Array:
     return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
 
 
+def quaternion_product(a: Array, b: Array) -> Array:
+    """Hamilton product a o b of quaternions w, x, y, z (..., 4): the turn b, then a."""
+    vector = a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + cross(a[..., 1:], b[..., 1:])
+    scalar = a[..., :1] * b[..., :1] - (a[..., 1:] * b[..., 1:]).sum(axis=-1, keepdims=True)
+    return np.concatenate([scalar, vector], axis=-1)
+
+
 def rotation_matrices(quat: ArrayLike) -> Array:
     """Unit or nearly unit quaternions w, x, y, z (..., 4) as rotation matrices (..., 3, 3)."""
     q = np.asarray(quat, dtype=float)

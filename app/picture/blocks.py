@@ -1,6 +1,5 @@
 """Blocks that the simulated robot stands and lands on, while they are there."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -57,12 +56,12 @@ def tops_under(blocks: Sequence[Block], points: Array, time: Array, ground: floa
     """(F,) m: heights below `points` (F, 3) m at `time` (F,) s: the ground's, or a block's top."""
     tops = np.full(len(points), ground)
     for block in blocks:
-        c, s = math.cos(block.yaw), math.sin(block.yaw)
-        x, y = (points - block.centre)[:, :2].T
-        above = np.abs(np.stack([c * x + s * y, c * y - s * x], axis=1)) <= block.size[:2] / 2
-        there = _stands(block, time) & above.all(axis=1)
-        top = float(block.centre[2] + block.size[2] / 2)
-        tops = np.where(there, np.maximum(tops, top), tops)
+        R = block.rotation
+        surface = block.centre + R[:, 2] * block.size[2] / 2
+        top = surface[2] + (points - surface)[:, :2] @ np.array(block.tilt)
+        seen = (np.column_stack([points[:, :2], top]) - surface) @ R
+        above = (np.abs(seen[:, :2]) <= block.size[:2] / 2).all(axis=1)
+        tops = np.where(_stands(block, time) & above, np.maximum(tops, top), tops)
     return tops
 
 
@@ -70,7 +69,7 @@ def place(node: viser.BoxHandle, block: Block) -> None:
     """Put a node where a block is, as large."""
     node.dimensions = (float(block.size[0]), float(block.size[1]), float(block.size[2]))
     node.position = block.centre
-    node.wxyz = (math.cos(block.yaw / 2), 0.0, 0.0, math.sin(block.yaw / 2))
+    node.wxyz = block.quat
 
 
 def standing_track(name: str, block: Block, time: Array) -> Track:

@@ -8,7 +8,7 @@ from llsrbm.arrays import Array
 from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import default_pose
-from llsrbm.mechanics import CORNERS, rotation_matrices, turns_about_z
+from llsrbm.mechanics import CORNERS, rotation_matrices
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots import Robot
 
@@ -46,7 +46,7 @@ def around_default(robot: Robot) -> Array:
 def corners(block: Block, largest: float = _LARGE) -> Array:
     """Corners (8, 3) m of a block, as far as it is near: what is large is ground."""
     size = np.where(block.size < largest, block.size, 0.0)
-    return block.centre + ((CORNERS - 0.5) * size) @ turns_about_z(block.yaw).T
+    return block.centre + ((CORNERS - 0.5) * size) @ block.rotation.T
 
 
 def outermost(points: Array) -> Array:

@@ -15,7 +15,8 @@ SLIP = 0.01  # m
 
 
 class Friction(Check):
-    """Forces within the friction cone: worst = |f_t| / (mu f_n), at a contact, f_n vertical.
+    """Forces within the friction cone: worst = |f_t| / (mu f_n), at a contact, f_n along the normal
+    of what its foot stands on.
 
     mu is the one that was planned with, of a rollout that of its ground. Forces below half a
     hundredth of the weight are left out.
@@ -27,8 +28,9 @@ class Friction(Check):
         """The foot nearest to slipping."""
         if motion.forces is None:
             return self.unknown(NO_FORCES)
-        tangential = np.linalg.norm(motion.forces[..., :2], axis=-1)
-        normal = motion.forces[..., 2]
+        across = motion.normals[:, :, None]
+        normal = (motion.forces * across).sum(axis=-1)
+        tangential = np.linalg.norm(motion.forces - normal[..., None] * across, axis=-1)
         pulls = normal <= 0
         shares = tangential / np.where(pulls, 1.0, motion.friction * normal)
         slight = np.linalg.norm(motion.forces, axis=-1) < SLIGHT * motion.weight
@@ -40,7 +42,8 @@ class Friction(Check):
 class ContactForce(Check):
     """The ground only pushes, and only feet that stand.
 
-    worst = 1 + e / (m g), e the largest downward force on a contact, or any on a foot in the air.
+    worst = 1 + e / (m g), e the largest force on a contact into the ground, or any on a foot in
+    the air.
     """
 
     name, unit = "contact_force", "N"
@@ -49,7 +52,8 @@ class ContactForce(Check):
         """The foot that is pulled or floats most."""
         if motion.forces is None:
             return self.unknown(NO_FORCES)
-        pulls = np.maximum(-motion.forces[..., 2].min(axis=2), 0.0)
+        normal = (motion.forces * motion.normals[:, :, None]).sum(axis=-1)
+        pulls = np.maximum(-normal.min(axis=2), 0.0)
         # A tick of a rollout in which a foot lands or leaves begins or ends in the air.
         standing = motion.contact
         if isinstance(motion.source, Rollout):
@@ -103,7 +107,7 @@ def _feet(motion: SampledMotion) -> tuple[Array, Array]:
         R, at = turn[:, joint], origin[:, joint, None]
         centres = placed.translation + contact.centres @ placed.rotation.T
         places[:, i] = at + centres @ np.swapaxes(R, -1, -2)
-        arms = places[:, i] - at - [0.0, 0.0, contact.radius]
+        arms = places[:, i] - at - contact.radius * motion.normals[:, i, None]
         speeds[:, i] = linear[:, joint, None] + cross(angular[:, joint, None], arms)
         if is_point:  # a frame beside the middle of its ball sinks as the ball rolls
             places[:, i, :, :2] = (at[:, 0] + R @ placed.translation)[:, None, :2]

@@ -3,7 +3,6 @@
 Shapes are those of the URDF's collision geometry, distances coal's.
 """
 
-import math
 from collections.abc import Sequence
 
 import coal
@@ -79,7 +78,7 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, s
     shapes, bodies = link_shapes(motion.robot), around.solids
     geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
-    places = [coal.Transform3s(_turn(block.yaw), block.centre) for block in bodies]
+    places = [coal.Transform3s(block.rotation, block.centre) for block in bodies]
     rotation, centre = _placed(motion, shapes)
     middles, radii = (np.array(each) for each in zip(*map(_sphere, geometries), strict=True))
     middle = centre + np.einsum("ksij,sj->ksi", rotation, middles)
@@ -139,11 +138,6 @@ def _leg_of(robot: Robot, shape: Shape) -> int | None:
     return joints.index(shape.joint) if shape.foot else None
 
 
-def _turn(yaw: float) -> Array:
-    c, s = math.cos(yaw), math.sin(yaw)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-
-
 def _sphere(geometry: coal.ShapeBase) -> tuple[Array, float]:
     """Around a shape: (3,) m in its frame, and radius, m."""
     geometry.computeLocalAABB()
@@ -152,6 +146,6 @@ def _sphere(geometry: coal.ShapeBase) -> tuple[Array, float]:
 
 def _from_box(block: Block, points: Array) -> Array:
     """(...) distance of points (..., 3) from a box, m; negative inside, by the nearest face."""
-    beyond = np.abs((points - block.centre) @ _turn(block.yaw)) - np.asarray(block.size) / 2
+    beyond = np.abs((points - block.centre) @ block.rotation) - np.asarray(block.size) / 2
     outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=-1)
     return np.asarray(outside + np.minimum(beyond.max(axis=-1), 0.0))

@@ -17,6 +17,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.efforts import inverse_dynamics, of_contacts
+from llsrbm.motion.grounds import foot_normals
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised_states
 from llsrbm.motion.robot import robot_of
@@ -95,6 +96,14 @@ class SampledMotion:
         """The number of the first instant at which the state is no number; None: there is none."""
         missing = ~np.isfinite(self.q).all(axis=1)
         return int(missing.argmax()) if missing.any() else None
+
+    @cached_property
+    def normals(self) -> Array:
+        """(K, L, 3) unit normals of what the feet stand on; of foreign motions it is level."""
+        plan = self.source.plan if isinstance(self.source, Rollout) else self.source
+        if isinstance(plan, Plan):
+            return foot_normals(plan, self.time)
+        return np.broadcast_to([0.0, 0.0, 1.0], (*self.contact.shape, 3))
 
     @cached_property
     def weight(self) -> float:

@@ -135,6 +135,8 @@ class WholeBodyController:
         body, contacts, measured = self._body, self.contacts, measurement
         self._delay.measured(measured.torque)
         self._unmodelled.measured(measured.v, self._delay.acted(), contacts.standing)
+        if self._reference.slopes:
+            body.stand_on(self._reference.normals(contacts.plan_time(measured.time)))
         foreseen = self._delay.met(measured, body)
         flew = contacts.flying
         known = measured if flew else foreseen

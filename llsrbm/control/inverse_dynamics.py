@@ -30,7 +30,7 @@ from llsrbm.control.qp import Qp, check_name
 from llsrbm.control.reference import Target
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.mechanics import INSCRIBED
+from llsrbm.mechanics import INSCRIBED, rotation_matrices, turned_to
 
 _BASE = 6  # unactuated velocities
 _REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the base's in flight
@@ -67,6 +67,7 @@ class InverseDynamics:
         mu = INSCRIBED * friction
         self._faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
         self._programs: dict[int, Qp] = {}  # by the number of points that push
+        self._pyramids: dict[int, Array] = {}  # (points, 3) the normals that each has
         self._joints = slice(-joints, None)  # of a program's inequalities
         self._zero = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
         self._last = self._zero
@@ -104,6 +105,7 @@ class InverseDynamics:
         qp.A[:, :n] = M[:_BASE]
         np.negative(J[:, :_BASE].T, out=qp.A[:, n:])
         np.negative(h[:_BASE], out=qp.b)
+        self._set_pyramids(qp, contact)
         torques = qp.C[self._joints]
         torques[:, :n] = M[_BASE:]
         np.negative(J[:, _BASE:].T, out=torques[:, n:])
@@ -129,10 +131,22 @@ class InverseDynamics:
         if points not in self._programs:
             n, pyramid = self._n, 4 * points
             qp = Qp.zeros(n + 3 * points, _BASE, pyramid + n - _BASE)
-            qp.C[:pyramid, n:] = np.kron(np.eye(points), self._faces)
             qp.upper[:pyramid] = 0.0
             self._programs[points] = qp
         return self._programs[points]
+
+    def _set_pyramids(self, qp: Qp, contact: BoolArray) -> None:
+        """Turn the friction pyramids of points that push to what they push on, where it changed."""
+        normals = self._body.normals
+        points = normals.repeat(len(contact) // len(normals), axis=0)[contact]
+        known = self._pyramids.get(len(points))
+        if known is not None and np.array_equal(known, points):
+            return
+        self._pyramids[len(points)] = points
+        n = self._n
+        for k, R_world_surface in enumerate(rotation_matrices(turned_to(points, 2))):
+            columns = slice(n + 3 * k, n + 3 * k + 3)
+            qp.C[4 * k : 4 * k + 4, columns] = self._faces @ R_world_surface.T
 
     def _unsolved_command(self, torque_limits: tuple[Array, Array]) -> Command:
         """The last solved torques for `HOLD` s, then damped joints."""

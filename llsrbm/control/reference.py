@@ -10,8 +10,10 @@ from scipy.spatial.transform import Rotation
 from llsrbm.arrays import Array
 from llsrbm.control.swing import UnderWay, swing_motion
 from llsrbm.mechanics import GRAVITY
+from llsrbm.motion.grounds import foot_normals
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import sampled
+from llsrbm.request.slopes import slopes_of
 
 _STEP = 5e-4  # s; a reference is at most half of it old
 _JUST_BEFORE = 2 * _STEP  # touchdown, where the nearest sample surely is one of the flight
@@ -100,6 +102,21 @@ class Reference:
         }
         heading = first.foot_heading * [1.0, 0.0, 0.0]
         return first._replace(contact_force=force, foot_heading=heading, **still)
+
+    @cached_property
+    def slopes(self) -> bool:
+        """True if feet stand on what is not level."""
+        return bool(np.any(slopes_of(self.plan.jump, self.plan.schedule.places)))
+
+    def normals(self, time: float) -> Array:
+        """(L, 3) unit normals of what the feet stand on at a time, s since the plan's start."""
+        index = min(max(round(time / _STEP), 0), len(self._normals) - 1)
+        found: Array = self._normals[index]
+        return found
+
+    @cached_property
+    def _normals(self) -> Array:
+        return foot_normals(self.plan, _STEP * np.arange(self._samples, dtype=np.float64))
 
     def late(self, flight: int) -> Target:
         """The target in a flight after its planned touchdown: legs held as they should land."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from llsrbm.arrays import Array
 from llsrbm.control.reference import Target
 from llsrbm.control.whole_body import WholeBody, solved
-from llsrbm.mechanics import turns_about_z
+from llsrbm.mechanics import rotation_matrices, turned_to, turns_about_z
 
 _NONE, _IDENTITY = np.zeros(3), np.eye(3)
 
@@ -113,7 +113,7 @@ class BaseOrientation(Task):
 
 
 class FootOrientation(Task):
-    """Attitude of a foot in the world, rad: level, as soles meet the ground, headed as planned."""
+    """Attitude of a foot in the world, rad: as soles meet the ground, headed as planned."""
 
     rows = 3
 
@@ -127,7 +127,11 @@ class FootOrientation(Task):
         return TaskMotion(
             body.foot_rotation_jacobian[i],
             body.foot_rotation_bias[i],
-            pin.log3(turns_about_z(heading) @ body.R_world_foot[i].T),
+            pin.log3(
+                rotation_matrices(turned_to(body.normals[i], 2))
+                @ turns_about_z(heading)
+                @ body.R_world_foot[i].T
+            ),
             np.array([0.0, 0.0, rate]) - body.foot_angular_velocity[i],
             np.array([0.0, 0.0, acceleration]),
         )

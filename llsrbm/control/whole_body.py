@@ -41,6 +41,7 @@ class WholeBody:
         contact_bias: (C, 3) m/s2: `contact_jacobian @ a + contact_bias` is zero while the spheres
             roll without slipping.
         contact_velocity: (C, 3) m/s of the points that touch.
+        normals: (L, 3) unit, of what the feet stand on.
         data: Pinocchio's, with the bodies' placements, velocities, accelerations while no joint nor
             the base accelerates, and the joints' Jacobians.
     """
@@ -75,12 +76,12 @@ class WholeBody:
         # (L, c, 3): from the middle of a foot's spheres to their centres.
         self._corners = np.array(corners)
         self._has_soles = bool(self._corners.any())
-        # (L, 1, 3): from the lowest point of a sphere up to its centre.
-        self._radius = np.array([contact.radius * _UP for contact in contacts])[:, None]
+        radii = np.array([contact.radius for contact in contacts])[:, None]
+        self._below, self._radii = radii * _UP, radii  # (L, 3), (L, 1) m
         # (L, c, 3, 6): from the motion of a foot's middle to that of its points that touch.
         self._rolling = np.zeros((legs, len(robot.corners), 3, 6))
         self._rolling[..., :3] = np.eye(3)
-        self._rolling[..., 3:] = (self._radius @ _SKEW).reshape(legs, 1, 3, 3)
+        self.stand_on(np.tile(_UP, (legs, 1)))
 
         self.q = np.zeros(model.nq)
         self.v = np.zeros(n)
@@ -101,6 +102,14 @@ class WholeBody:
         self.foot_bias, self.foot_rotation_bias = linear[..., n + 1], angular[..., n + 1]
         self.contact_jacobian = np.zeros((points, 3, n))
         self.contact_bias, self.contact_velocity = np.zeros((2, points, 3))
+
+    def stand_on(self, normals: Array) -> None:
+        """Let feet touch what has these unit normals (L, 3) from the next state on."""
+        self.normals = normals
+        # (L, 1, 3): from the point by which a sphere touches to its centre.
+        self._radius = (self._radii * normals)[:, None]
+        if not self._has_soles:
+            self._rolling[..., 3:] = (self._radius @ _SKEW).reshape(self.legs, 1, 3, 3)
 
     def update(self, q: Array, v: Array) -> None:
         """Take a state: q (nq,) and v (n,), Pinocchio's conventions."""
@@ -155,7 +164,7 @@ class WholeBody:
             bias[i] = pin.getFrameClassicalAcceleration(model, data, frame, axes).vector
         rows = self._middle_rows
         rows[:, n] = rows[:, :n].dot(self.v)
-        self.foot = placement[:, :3, 3] - self._radius[:, 0]
+        self.foot = placement[:, :3, 3] - self._below
         if self._has_soles:
             # From the middle to a sphere's centre, which turns with the foot, and from there down
             # to the ground, which does not: spheres that roll.

@@ -174,9 +174,8 @@ def _task(jump: Jump) -> str:
         task = f"{jump.hops} hops {of}{task}"
     if _is_worth_naming(jump):
         task = f"{Path(jump.type).stem} {task}".rstrip()
-    for name, size in (("gap", jump.gap), ("bar", jump.bar)):
-        if size:
-            task += f" of {round(100 * size, 1):g} cm"
+    if passed := jump.gap or jump.bar:
+        task += f" of {round(100 * passed, 1):g} cm"
     if jump.speed:
         task += f" from {jump.speed:g} m/s"
     if jump.end_speed:

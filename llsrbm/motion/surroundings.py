@@ -22,11 +22,18 @@ import pinocchio as pin
 from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
-from llsrbm.mechanics import rotation_matrices, turns_about_z, yaw
+from llsrbm.mechanics import (
+    quaternion_product,
+    quaternions_about_z,
+    rotation_matrices,
+    turns_about_z,
+)
+from llsrbm.motion.grounds import place_headings
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
+from llsrbm.request.slopes import gradients, leaning, normals
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
@@ -35,6 +42,8 @@ ROOM = 0.01  # m at least between an edge's two sides: feet that stand on it and
 MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
 # Where the edge between feet beside a block and feet on it may be, as shares of their distance: in
 # the middle, or so far that a trunk leaning over it before lift-off has room.
+SLOPING = 0.08  # m of a block that slopes, likewise: its upper edge stands out
+THICKER = 0.05  # m that it reaches into the ground
 EDGES = (0.5, 0.8)
 TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
 STEP = 0.04  # m of a stone around its foot, where other feet of its place leave as much
@@ -51,10 +60,23 @@ class Block:
     name: str  # of the box, unique
     centre: Array  # (3,) m, world frame
     size: Array  # (3,) m, full lengths along its own axes
-    yaw: float  # rad, of its own axes about the vertical
+    yaw: float  # rad, of its own axes about its upright one
     from_s: float = 0.0  # when it stands there, s
     until_s: float = math.inf  # when it stands there, s
     untouched: bool = False  # whether a robot that touches it has failed
+    # Gradient of its top along the world's x and y axes, onto which it is turned the short way.
+    tilt: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def quat(self) -> Array:
+        """(4,) w, x, y, z: how its own axes are turned in the world."""
+        leans = leaning(np.array(self.tilt))
+        return quaternion_product(leans, quaternions_about_z(self.yaw))
+
+    @property
+    def rotation(self) -> Array:
+        """(3, 3) R_world_block."""
+        return rotation_matrices(self.quat)
 
 
 @dataclass(frozen=True)
@@ -95,7 +117,7 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     if plan.obstacle is not None:
         ground, blocks = _beside_obstacle(plan.obstacle, places)
     else:
-        ground = min(place.height for place in places)
+        ground = min(_lowest(place) for place in places)
         blocks = []
         for k, place in enumerate(places):
             if place.height > ground:
@@ -151,6 +173,16 @@ class _Place:
     height: float  # m
     heading: float  # rad, of the edges of what stands there
     flight: int  # the phase that leads there, 0 for the start
+    tilt: Array  # (2,) gradient of its surface
+
+    @property
+    def slopes(self) -> bool:
+        """True if its surface does."""
+        return bool(self.tilt.any())
+
+    def top(self, points: Array) -> Array:
+        """(n,) m: height of its surface at points (n, 2) or (n, 3) of the world."""
+        return self.height + (points[:, :2] - self.points[:, :2].mean(axis=0)) @ self.tilt
 
     def seen(self, points: Array) -> Array:
         """(C, 2) m: points (C, 3) of the world seen from above, along the heading's axes."""
@@ -166,19 +198,18 @@ def _places(plan: Plan) -> list[_Place]:
     for leg, _, _, dz in plan.jump.stones:
         foot = schedule.legs.index(leg)
         points[-1][foot * corners : (foot + 1) * corners, 2] -= dz
-    if schedule.places == 1:  # to the digit
-        height, heading = [0.0, plan.jump.height], [plan.jump.twist] * 2
-    else:
-        height = [round(float(place[:, 2].mean()), _DIGITS) for place in points]
-        base = [int(row.max()) for row in knots]
-        heading = [float(angle) for angle in yaw(plan.base_quat)[base]]
-        heading[0] = heading[1]
+    heading = place_headings(plan)
+    tilts = gradients(plan.jump, schedule.places, heading)
+    heading[0] = heading[1]
+    height = [round(float(place[:, 2].mean()), _DIGITS) for place in points]
+    if schedule.places == 1 and not np.any(tilts):  # to the digit
+        height = [0.0, plan.jump.height]
     flights = [
         next(p for p, phase in enumerate(schedule) if phase.place == k and phase.feet) - 1
         for k in range(schedule.places + 1)
     ]
     flights[0] = 0
-    return [_Place(*row) for row in zip(points, height, heading, flights, strict=True)]
+    return [_Place(*row) for row in zip(points, height, heading, flights, tilts, strict=True)]
 
 
 def _standing(
@@ -192,11 +223,11 @@ def _standing(
 ) -> Block:
     """The block under place `k`: from the start if feet, legs and trunk leave room for it."""
     place, corners = places[k], len(robot.corners)
-    points = place.seen(place.points)
-    lower = [place.seen(other.points) for other in places if other.height < place.height]
+    points, margin = place.seen(place.points), SLOPING if place.slopes else MARGIN
+    lower = [place.seen(other.points) for other in places if _in_the_way(other, place)]
     narrow: Block | None = None
     for share in EDGES:
-        footprint: _Rectangle | None = _around(points, MARGIN)
+        footprint: _Rectangle | None = _around(points, margin)
         for beside in lower:
             apart = _avoiding(points, beside.reshape(-1, corners, 2), radius, share)
             footprint = None if footprint is None or apart is None else _common(footprint, apart)
@@ -211,14 +242,31 @@ def _standing(
             narrow = narrow or block
     if narrow is not None:
         return narrow
-    block = _block(place, name, _around(points, MARGIN), ground, place.height)
+    block = _block(place, name, _around(points, margin), ground, place.height)
     # Of any place but the last it has to make room for a lower one that follows, too.
-    goes = any(other.height < place.height for other in places[k + 1 :])
+    goes = any(_in_the_way(other, place) for other in places[k + 1 :])
     return replace(
         block,
         from_s=_mid_flight(plan, place) if k else 0.0,
         until_s=_highest(plan, places[k + 1].flight) if goes else math.inf,
     )
+
+
+def _lowest(place: _Place) -> float:
+    """m: of a place's surface, as far as its block goes."""
+    if not place.slopes:
+        return place.height
+    around = _around(place.seen(place.points), SLOPING)
+    corners = np.array(
+        [[x, y] for x in (around.low[0], around.high[0]) for y in (around.low[1], around.high[1])]
+    )
+    return float(place.top(corners @ _turn(place.heading).T).min())
+
+
+def _in_the_way(other: _Place, place: _Place) -> bool:
+    """Whether the block under a place has to leave room for feet in another one."""
+    sloping = other.slopes or place.slopes
+    return other is not place if sloping else other.height < place.height
 
 
 def _stones(robot: Robot, plan: Plan, places: Sequence[_Place], radius: float) -> Iterator[Block]:
@@ -250,7 +298,7 @@ def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
     grid = np.meshgrid(*np.linspace(low, high, TRUNK_POINTS).T)
     own = np.stack(grid, axis=-1).reshape(-1, 3)
     world = plan.base_position[:, None] + own @ np.swapaxes(rotation_matrices(plan.base_quat), 1, 2)
-    seen = np.abs((world - block.centre) @ turns_about_z(block.yaw))
+    seen = np.abs((world - block.centre) @ block.rotation)
     return bool((seen < block.size / 2).all(axis=-1).any())
 
 
@@ -268,7 +316,7 @@ def _links_inside(robot: Robot, plan: Plan, block: Block, knots: BoolArray) -> b
         return False
     joints = plan.joint_position[:, [plan.joint_names.index(name) for name in robot.joint_names]]
     postures = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), joints])[knots]
-    placement = pin.SE3(turns_about_z(block.yaw), block.centre)
+    placement = pin.SE3(block.rotation, block.centre)
     least = LinkShapes.of(robot).clearance(postures, coal.Box(*block.size), placement)
     return bool((least < 0).any())
 
@@ -374,10 +422,22 @@ def _block(
     from_s: float = 0.0,
 ) -> Block:
     middle = _turn(place.heading) @ (footprint.low + footprint.high) / 2
-    return Block(
+    size = footprint.high - footprint.low
+    block = Block(
         name=name,
         centre=np.array([*middle, (bottom + top) / 2]),
-        size=np.array([*(footprint.high - footprint.low), top - bottom]),
+        size=np.array([*size, top - bottom]),
         yaw=place.heading,
         from_s=from_s,
+    )
+    if not place.slopes:
+        return block
+    surface = np.array([*middle, place.top(middle[None])[0]])
+    along = place.tilt @ _turn(place.heading)
+    thick = top - bottom + THICKER
+    return replace(
+        block,
+        centre=surface - normals(place.tilt) * thick / 2,
+        size=np.array([*(size * np.sqrt(1 + along**2)), thick]),
+        tilt=(float(place.tilt[0]), float(place.tilt[1])),
     )

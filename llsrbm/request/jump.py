@@ -18,7 +18,7 @@ from llsrbm.request.messages import (
     field_specs,
 )
 from llsrbm.request.obstacle import HIGHEST, WIDEST
-from llsrbm.request.route import MOST, Landing, Route, as_rows
+from llsrbm.request.route import MOST, SLOPES, STEEPEST, Landing, Route, as_rows
 from llsrbm.request.stones import STONE, Stone, StoneList, by_leg
 
 AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "end_speed")
@@ -26,6 +26,9 @@ AMOUNTS = ("twist", "forward", "lateral", "height", "roll", "pitch", "speed", "e
 
 COMPONENTS = ("twist", "forward", "lateral", "height")
 """Fields of a `Jump` that say where it leads."""
+
+INCLINES = (*SLOPES, "takeoff_slope", "takeoff_cross_slope")
+"""Fields of a `Jump` that say how the surfaces slope under it."""
 
 STEPS = {"twist": math.radians(1.0), "forward": 0.01, "lateral": 0.01, "height": 0.01}
 """Whole steps (rad, m) of which the components of nearest jumps are."""
@@ -41,6 +44,7 @@ ARMS = (FREE, HELD)
 
 PAYLOAD = "KG[,X,Y,Z]"
 FARTHEST = 1.0  # m, of a payload from the origin of the trunk's frame
+_STATED_ALONE = ("stones", "route", *INCLINES)
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
 
 
@@ -128,6 +132,46 @@ class Jump:
         float,
         Number("Height of the bar that the whole robot passes over", "M", 0.0, HIGHEST, "m"),
     ] = 0.0
+    slope: Annotated[
+        float,
+        Number(
+            "Angle by which the landing surface rises ahead, as the robot looks that lands",
+            "DEG",
+            -STEEPEST,
+            STEEPEST,
+            "rad",
+        ),
+    ] = 0.0
+    cross_slope: Annotated[
+        float,
+        Number(
+            "Angle by which the landing surface rises to the left, as the robot looks that lands",
+            "DEG",
+            -STEEPEST,
+            STEEPEST,
+            "rad",
+        ),
+    ] = 0.0
+    takeoff_slope: Annotated[
+        float,
+        Number(
+            "Angle by which the take-off surface rises ahead",
+            "DEG",
+            -STEEPEST,
+            STEEPEST,
+            "rad",
+        ),
+    ] = 0.0
+    takeoff_cross_slope: Annotated[
+        float,
+        Number(
+            "Angle by which the take-off surface rises to the left",
+            "DEG",
+            -STEEPEST,
+            STEEPEST,
+            "rad",
+        ),
+    ] = 0.0
     arms: Annotated[
         str,
         Name("Arms, where the robot has some: free, to shape the inertia, or held as they hang"),
@@ -153,7 +197,7 @@ class Jump:
         Route(
             "Landings one after the other in place of where to jump and of hops, each from where "
             "the robot stood before: a TOML file with a table [[landing]] for each, of forward, "
-            "lateral, height (m) and twist (deg)",
+            "lateral, height (m), twist, slope and cross_slope (deg)",
             "FILE",
         ),
     ] = ()
@@ -174,7 +218,7 @@ class Jump:
     def _check_route(self) -> None:
         if not self.route:
             return
-        beside = [name for name in COMPONENTS if getattr(self, name)]
+        beside = [name for name in (*COMPONENTS, *SLOPES) if getattr(self, name)]
         if beside or self.hops > 1:
             raise InputError(
                 f"route: the request has {beside[0] if beside else 'hops'}, too; expected that its "
@@ -197,15 +241,15 @@ class Jump:
         return bool(self.roll or self.pitch)
 
     def as_dict(self) -> dict[str, Any]:
-        """The request as plain data, for files and messages; without stones or route it has no
-        such key.
+        """The request as plain data, for files and messages; stones, route and slopes where it
+        has some.
         """
         found = asdict(self) | {
             "payload": list(self.payload),
             "stones": by_leg(self.stones),
             "route": as_rows(self.route),
         }
-        return {n: value for n, value in found.items() if value or n not in ("stones", "route")}
+        return {n: value for n, value in found.items() if value or n not in _STATED_ALONE}
 
 
 def changes(wanted: Jump, found: Jump) -> str:

@@ -6,6 +6,7 @@ A route's file is TOML, angles in degrees:
     forward = 0.4
     height = 0.1
     twist = 30
+    slope = 10
 """
 
 import math
@@ -22,7 +23,9 @@ from llsrbm.request.tables import read_table
 MOST = 5  # landings; of more the solver is too large to build in a minute
 FARTHEST = 5.0  # m, and FARTHEST_TURN rad: beyond any robot, whose range is checked when it plans
 FARTHEST_TURN = 2 * math.pi
-_TURNS = ("twist",)  # angles: degrees in a route's file
+STEEPEST = math.radians(30)  # rad of a surface: beyond it feet slip on most grounds
+SLOPES = ("slope", "cross_slope")
+_TURNS = ("twist", *SLOPES)  # angles: degrees in a route's file
 _FILE = "a route (TOML, a table [[landing]] for each)"
 
 
@@ -33,6 +36,9 @@ class Landing(NamedTuple):
     lateral: float = 0.0
     height: float = 0.0
     twist: float = 0.0
+    # By which the surface rises ahead, and to the left, as the robot looks that lands there.
+    slope: float = 0.0
+    cross_slope: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,7 @@ def _landing(name: str, row: Any) -> Landing:
 def _amount(name: str, field: str, value: Any) -> float:
     turns = field in _TURNS
     most = FARTHEST_TURN if turns else FARTHEST
+    most = STEEPEST if field in SLOPES else most
     return Number("", "", -most, most, "rad" if turns else "m").checked(f"{name}: {field}", value)
 
 

@@ -253,7 +253,7 @@ def _add_surroundings(
             name=block_body(block.name),
             mocap=True,
             pos=_AWAY,
-            quat=[np.cos(block.yaw / 2), 0, 0, np.sin(block.yaw / 2)],
+            quat=block.quat,
         )
         body.add_geom(
             name=block_body(block.name),

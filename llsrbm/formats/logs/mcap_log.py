@@ -194,8 +194,7 @@ def _scene(context: Context, around: Surroundings) -> Iterator[Entry]:
     """
 
     def cube(time: int, block: Block, rgb: Rgb) -> fm.SceneEntity:
-        turned = (np.cos(block.yaw / 2), 0.0, 0.0, np.sin(block.yaw / 2))
-        placed, size = pose(block.centre, turned), vector(block.size)
+        placed, size = pose(block.centre, block.quat), vector(block.size)
         shape = fm.CubePrimitive(pose=placed, size=size, color=colour(rgb))
         return _entity(time, block.name, cubes=[shape])
 

@@ -126,7 +126,7 @@ def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> No
         columns = rr.Boxes3D.columns(
             centers=[block.centre],
             half_sizes=[block.size / 2],
-            quaternions=[_xyzw(np.array([np.cos(block.yaw / 2), 0.0, 0.0, np.sin(block.yaw / 2)]))],
+            quaternions=[_xyzw(block.quat)],
             colors=[BLOCK],
             fill_mode=[rr.components.FillMode.Solid],
         )

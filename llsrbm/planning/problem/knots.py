@@ -14,7 +14,7 @@ from llsrbm.body.joint_loads import JointLoads, joint_loads
 from llsrbm.body.knot_motion import KnotMotion
 from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.body.rolling import rolled
-from llsrbm.mechanics import quaternions_about_z
+from llsrbm.mechanics import quaternion_product, quaternions_about_z
 from llsrbm.models.base import CentroidalModel
 from llsrbm.planning.problem.layout import SHIFT, TURNED, Layout
 from llsrbm.planning.problem.parameters import (
@@ -27,6 +27,7 @@ from llsrbm.planning.problem.parameters import (
 from llsrbm.planning.problem.roles import Role
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task, contact_points
+from llsrbm.request.slopes import leaning
 
 DYNAMICS = "dynamics"
 """Rows that are gaps between the body's states and what they follow from; those of other states are
@@ -196,12 +197,27 @@ class Knots:
     @cached_property
     def contact_point(self) -> Array:
         """(N+1, C, 3) m: corners of the feet, wherever they are."""
-        return contact_points(self.foot_position, self.foot_heading, self.task.corners)
+        return contact_points(
+            self.foot_position, self.foot_heading, self.task.corners, self._foot_tilt
+        )
 
     @cached_property
     def foot_quat(self) -> Array:
-        """(N+1, L, 4) w, x, y, z: of level feet with their headings."""
-        return quaternions_about_z(self.foot_heading)
+        """(N+1, L, 4) w, x, y, z: of soles with their headings, as their surfaces lean."""
+        level = quaternions_about_z(self.foot_heading)
+        if self.task.foot.is_point:
+            return level
+        return quaternion_product(leaning(self._foot_tilt), level)
+
+    @cached_property
+    def _foot_tilt(self) -> Array:
+        """(N+1, L, 2) gradients of what feet stand on, or between which they swing."""
+        layout = self.layout
+        found = np.zeros((layout.knots, layout.legs, 2))
+        for phase in range(layout.phases):
+            here = layout.phase == phase
+            found[here] = self.task.tilt(phase, layout.swing_progress[0][here])
+        return found
 
     @cached_property
     def postures(self) -> Postures:

@@ -49,7 +49,7 @@ def parameters(layout: Layout, task: Task, *, at_knots: bool = False) -> dict[st
         values["start_feet_velocity"] = task.motion.feet_velocity
     for p in range(len(task.schedule)):
         stood = task.footholds_before(p)
-        local = (stood.feet, stood.contacts, stood.yaw, task.towards(p))
+        local = (stood.feet, stood.contacts, stood.yaw, task.towards(p), stood.tilt)
         values |= dict(zip(_local_names(p), local, strict=True))
     weights = {
         weight_parameter(cost): np.array([cost.share(task.jump) * task.weights[cost.name]])
@@ -122,7 +122,7 @@ def local_parameters(phase: int) -> tuple[str, ...]:
 
 
 def _local_names(phase: int) -> list[str]:
-    return [f"phase{phase}_{name}" for name in ("feet", "contacts", "yaw", "towards")]
+    return [f"phase{phase}_{name}" for name in ("feet", "contacts", "yaw", "towards", "tilt")]
 
 
 def upright_axes(jump: Jump) -> Array:

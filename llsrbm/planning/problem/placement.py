@@ -8,7 +8,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.errors import InputError
-from llsrbm.mechanics import turns_about_z
+from llsrbm.mechanics import quaternion_product, turns_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
@@ -20,6 +20,7 @@ from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.jump_types import Displacement, JumpType, load_type
 from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.route import Landing
+from llsrbm.request.slopes import gradient, leaning, slopes_of
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import read_robot_file, robot_files
@@ -146,6 +147,12 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     turns = round((jump.roll + jump.pitch) / (2 * np.pi))
     half = end.heading / 2
     quat = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+    start_quat = np.array([1.0, 0.0, 0.0, 0.0])
+    if robot.file.foot.is_point:  # on soles a body stands upright
+        start_quat, quat = (
+            quaternion_product(leaning(place.tilt[0]), q)
+            for place, q in ((places[0], start_quat), (end, quat))
+        )
     task = Task(
         jump=jump,
         schedule=schedule,
@@ -153,7 +160,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         places=places,
         start_position=np.array(robot.com),
         goal_position=Rz @ robot.com + end.origin,
-        start_quat=np.array([1.0, 0.0, 0.0, 0.0]),
+        start_quat=start_quat,
         goal_quat=-quat if turns % 2 else quat,
         start_velocity=np.array([jump.speed, 0.0, 0.0]),
         goal_velocity=Rz @ [jump.end_speed, 0.0, 0.0],
@@ -203,7 +210,9 @@ def _places(
     """
     yaw = _headings(robot)
     turning = robot.foot_coordinates > 3
-    places = [_footholds(robot, np.array(robot.feet), yaw, 0.0, np.zeros(3))]
+    slopes = slopes_of(jump, count)
+    tilt = gradient(*slopes[0], 0.0)
+    places = [_footholds(robot, np.array(robot.feet), yaw, 0.0, np.zeros(3), tilt)]
     heading, shift = 0.0, np.zeros(3)
     for k in range(count):
         own = displacement[k] if displacement else None
@@ -219,13 +228,20 @@ def _places(
         if jump.stones and k == count - 1:
             stance = stance + offsets(jump.stones, robot)
         feet = stance @ turns_about_z(heading).T + shift
-        places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift))
+        tilt = gradient(*slopes[k + 1], heading)
+        places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift, tilt))
     return tuple(places)
 
 
-def _footholds(robot: Robot, feet: Array, yaw: Array, heading: float, origin: Array) -> Footholds:
-    contacts = contact_points(feet, yaw, np.array(robot.corners))
-    return Footholds(feet, yaw, contacts, heading, origin)
+def _footholds(
+    robot: Robot, feet: Array, yaw: Array, heading: float, origin: Array, tilt: Array
+) -> Footholds:
+    """On a surface with a gradient `tilt` (2,) that goes through `origin`."""
+    feet = feet.copy()
+    feet[:, 2] += (feet - origin)[:, :2] @ tilt
+    each = np.tile(tilt, (len(feet), 1))
+    contacts = contact_points(feet, yaw, np.array(robot.corners), each)
+    return Footholds(feet, yaw, contacts, each, heading, origin)
 
 
 def _headings(robot: Robot) -> Array:

@@ -42,6 +42,21 @@ def quat_exp(rotation_vector: Any) -> Any:
     return ca.vertcat(cosine, sine * rotation_vector)
 
 
+def on_surface(gradient: Any) -> Any:
+    """R_world_surface, (3, 3), of a surface that rises by `gradient` (2,) along x and y.
+
+    Its third column is the surface's normal; it turns what is level onto it, the short way.
+    """
+    nz = 1 / ca.sqrt(1 + ca.sumsqr(gradient))
+    nx, ny = -gradient[0] * nz, -gradient[1] * nz
+    across = -nx * ny / (1 + nz)
+    return ca.vertcat(
+        ca.horzcat(1 - nx**2 / (1 + nz), across, nx),
+        ca.horzcat(across, 1 - ny**2 / (1 + nz), ny),
+        ca.horzcat(-nx, -ny, nz),
+    )
+
+
 def across(R_world_base: Any, heading: Any) -> Any:
     """nb = R^T n, (3, 1): the horizontal direction across a heading, rad, in base axes."""
     return ca.mtimes(R_world_base.T, ca.vertcat(-ca.sin(heading), ca.cos(heading), 0))

@@ -24,7 +24,8 @@ class StageBody(StagePlaces):
     def local_sizes(layout: Layout) -> dict[str, int]:
         """Name -> number of scalars of a phase's parameters, in the order of `local`."""
         legs = layout.legs
-        return {"feet": 3 * legs, "contacts": 3 * layout.contacts, "yaw": legs, "towards": 2 * legs}
+        places = {"feet": 3 * legs, "contacts": 3 * layout.contacts, "yaw": legs}
+        return places | {"towards": 2 * legs, "tilt": 2 * legs}
 
     def of_legs(self, name: str) -> dict[int, Any]:
         """Leg -> its part of a variable, (d, 1), or of a force, (3 corners, 1)."""

@@ -31,6 +31,7 @@ class StagePlaces:
         standing_feet: (3, L) m: where the feet stand in this phase, or stood last; shifted or not.
         standing_contacts: (3, C) m: their contact points; standing_yaw: (L,) rad, their headings.
         towards: (2, L) directions across the edge that flying feet cross, see `Task.towards`.
+        tilt: (2, L) gradients of the surfaces on which the feet stand, or stood last.
         local: all of these in one column: parameters of a phase.
         correction: (3, 1) m2/s, base axes, parameter of the interval: see `Task.correction`; / m.
         rolled: (2, L) m, likewise, of bodies that turn over: see `Task.rolled`.
@@ -51,9 +52,9 @@ class StagePlaces:
         contacts = ca.SX.sym("standing_contacts", 3, layout.contacts)
         self.standing_yaw = ca.SX.sym("standing_yaw", layout.legs)
         self.towards = self._given_towards = ca.SX.sym("towards", 2, layout.legs)
-        self.local = ca.vertcat(
-            ca.vec(feet), ca.vec(contacts), self.standing_yaw, ca.vec(self.towards)
-        )
+        self.tilt = ca.SX.sym("tilt", 2, layout.legs)
+        places = ca.vec(feet), ca.vec(contacts), self.standing_yaw
+        self.local = ca.vertcat(*places, ca.vec(self.towards), ca.vec(self.tilt))
         shift = ca.vertcat(self.shift, 0) if role.shifted else ca.SX.zeros(3)
         self.correction = ca.SX.sym("correction", 3)
         self.rolled = ca.SX.sym("rolled", 2, layout.legs if layout.turns else 0)
@@ -93,15 +94,17 @@ class StagePlaces:
             if self.layout.foot_coordinates > 3:
                 turned = ca.vertcat(*(self._turned[place] for place in feet))
                 self.standing_yaw = self.lift(self.standing_yaw + turned)
-        columns = [
-            _Rz(self._turned[place])[:2, :2] @ self._given_towards[:, leg]
-            for leg, place in enumerate(role.places_after)
-        ]
-        self.towards = self.lift(ca.horzcat(*columns))
+            self.tilt = self._all_turned(feet, self.tilt)
+        self.towards = self._all_turned(role.places_after, self._given_towards)
 
     def _moved(self, place: int, point: Any) -> Any:
         """(3, 1) m: where a point of a place is, of which the parameters know where it was."""
         return _Rz(self._turned[place]) @ (point - self._then[place][1]) + self._now[place][1]
+
+    def _all_turned(self, places: Sequence[int], directions: Any) -> Any:
+        each = zip(places, ca.horzsplit(directions), strict=True)
+        columns = [_Rz(self._turned[place])[:2, :2] @ direction for place, direction in each]
+        return self.lift(ca.horzcat(*columns))
 
     def _all_moved(self, places: Sequence[int], points: Any) -> Any:
         each = zip(places, ca.horzsplit(points), strict=True)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from llsrbm.arrays import Array, IntArray
+from llsrbm.mechanics import rotation_matrices, turns_about_z
 from llsrbm.models import free_arms_of
 from llsrbm.models.drives import near_stops
 from llsrbm.planning.problem.apex import FREE_APEX
@@ -17,6 +18,7 @@ from llsrbm.request.jump_types import Displacement
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.route import Landing
 from llsrbm.request.schedule import Schedule
+from llsrbm.request.slopes import leaning
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
@@ -34,6 +36,7 @@ class Footholds:
     Attributes:
         feet: (L, 3) m; yaw: (L,) rad, headings of the feet; points look nowhere, 0.
         contacts: (C, 3) m, legs x corners.
+        tilt: (L, 2) gradients of the surface under each foot, along the world's x and y axes.
         heading: rad, of the robot that stands there.
         origin: (3,) m: where the origin of the default posture is, on the surface.
     """
@@ -41,6 +44,7 @@ class Footholds:
     feet: Array
     yaw: Array
     contacts: Array
+    tilt: Array
     heading: float
     origin: Array
 
@@ -261,6 +265,7 @@ class Task:
             contacts=np.concatenate(
                 [row.contacts[i * corners : (i + 1) * corners] for i, row in enumerate(rows)]
             ),
+            tilt=np.array([row.tilt[i] for i, row in zip(legs, rows, strict=True)]),
             heading=rows[0].heading,
             origin=rows[0].origin,
         )
@@ -277,6 +282,23 @@ class Task:
         pairs = zip(*(places.ravel().tolist() for places in each), strict=True)
         return {(a, b): Edges.between(self.places[a], self.places[b]) for a, b in set(pairs)}
 
+    def tilt(self, phase: int, progress: Array) -> Array:
+        """(K, L, 2) gradients of the surfaces on which feet stand, or between which they swing.
+
+        `progress`: (K, L) share of each foot's swing; of feet that stand it does not count.
+        """
+        before, after = self.footholds_before(phase).tilt, self.footholds_after(phase).tilt
+        share = np.where(self.schedule.stands[phase], 0.0, np.nan_to_num(progress))[..., None]
+        return before + share * (after - before)
+
+    def lean(self, place: int) -> tuple[float, float]:
+        """Pitch and roll, rad, of the body that stands in a place; on soles it stands upright."""
+        if not self.foot.is_point:
+            return 0.0, 0.0
+        here = self.places[place]
+        ahead, left = here.tilt[0] @ turns_about_z(here.heading)[:2, :2]
+        return -float(np.arctan(ahead)), float(np.arctan(left))
+
     def swing_share(self, phase: int, progress: Array) -> Array:
         """Shares of the feet's whole swings, of shares of what is left of them in a phase."""
         if self.motion is None or phase > 0:
@@ -291,13 +313,14 @@ class Task:
         return np.array([self.edges(phase, i).towards[i] * flying[i] for i in legs])
 
 
-def contact_points(feet: Array, yaw: Array, corners: Array) -> Array:
-    """Contact points of level feet.
+def contact_points(feet: Array, yaw: Array, corners: Array, tilt: Array | None = None) -> Array:
+    """Contact points of feet that lie on their surfaces.
 
     Args:
         feet: (..., L, 3) m, world frame.
         yaw: (..., L) rad, headings.
         corners: (c, 3) m, in the frame of a foot.
+        tilt: (..., L, 2) the surfaces' gradients; None: they are level.
 
     Returns:
         (..., L c, 3) m, world frame, legs x corners.
@@ -305,5 +328,7 @@ def contact_points(feet: Array, yaw: Array, corners: Array) -> Array:
     c, s = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
     x, y, z = corners.T
     turned = np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (c * x).shape)], axis=-1)
+    if tilt is not None:
+        turned = turned @ np.swapaxes(rotation_matrices(leaning(tilt)), -1, -2)
     points: Array = feet[..., None, :] + turned
     return points.reshape(*yaw.shape[:-1], -1, 3)

@@ -249,12 +249,14 @@ class _Path:
     @property
     def _start(self) -> _Body:
         task, none = self._task, np.zeros(3)
-        return _Body(task.start_position, task.start_velocity, none, none, none)
+        turn = np.array([0.0, *task.lean(0)])
+        return _Body(task.start_position, task.start_velocity, none, turn, none)
 
     @property
     def _end(self) -> _Body:
         task, none = self._task, np.zeros(3)
-        turn = np.array([task.places[-1].heading, task.jump.pitch, task.jump.roll])
+        pitch, roll = task.lean(-1)
+        turn = np.array([task.places[-1].heading, task.jump.pitch + pitch, task.jump.roll + roll])
         return _Body(task.goal_position, task.goal_velocity, none, turn, none)
 
 

@@ -14,7 +14,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.mechanics import turns_about_z
 from llsrbm.motion.surroundings import Block
 from llsrbm.robots.near_links import NearLinks, away_from
 from llsrbm.robots.robot import Robot
@@ -124,7 +123,7 @@ class _Solid(NamedTuple):
     @classmethod
     def of(cls, block: Block, links: NearLinks, q: Array) -> _Solid:
         shape = coal.Box(*block.size)
-        placement = pin.SE3(turns_about_z(np.array(block.yaw)), block.centre)
+        placement = pin.SE3(block.rotation, block.centre)
         return cls(block, shape, placement, links.shapes.least_from(q, shape, placement))
 
 

@@ -128,6 +128,10 @@ class RowBounds:
         line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
         if task.obstacle is not None:
             line = np.maximum(line, self.start.place[half, :, 2])
+        # A landing surface rises beside where the foot lands by as much as the row leaves out.
+        beside = self.start.place[2 * (half // 2), :, :2] - task.footholds_after(phase).feet[:, :2]
+        sloping = (self.start.tilt[half // 2] * beside).sum(axis=-1)
+        line = line + np.where(progress[0] > 0.5, sloping, 0.0)
         # How far it is above the lower of the places that it comes from and goes to.
         above = np.maximum(line - np.minimum(before, after), 0.0)
         lean = np.minimum(LOWER_CORNERS, LOWER_FEET + above / 2)

@@ -31,7 +31,7 @@ class Chain:
     """Expressions of a limb's links; `n` are its numbers."""
 
     def __init__(self, kind: LimbKind) -> None:
-        self.kind, self.n = kind, Numbered(kind.numbers)
+        self.kind, self.n = kind, Numbered(kind.given)
 
     def axis(self, i: int) -> Any:
         """(3,) of a joint."""

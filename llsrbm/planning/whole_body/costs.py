@@ -43,7 +43,7 @@ def of_knot(
     off["attitude"] = turned(state["quat"], near["quat"])
     # A knot stands for two of the plan's, as its interval does.
     cost = weight["near"] * len(NODES) * sum(ca.sumsqr(v / width[n]) for n, v in off.items())
-    cost += weight["level"] * ca.sumsqr(state["quat"][1:3] / LEVEL)
+    cost += weight["level"] * ca.sumsqr((state["quat"][1:3] - near["level"]) / LEVEL)
     cost += weight["turning"] * ca.sumsqr(state["omega"] / width["omega"])
     cost += weight["joint_speed"] * ca.sumsqr(state["joint_velocity"] / width["joint_velocity"])
     standing = state["joint_position"] - near["posture"]

@@ -95,7 +95,7 @@ def limb_effort(kind: LimbKind, stands: bool) -> Derived:
     force, moment = ca.SX(3, 1), ca.SX(3, 1)
     if stands:
         to_link = mark(ca.mtimes(R, to_base)).T
-        below = to_link[:, 2] * n("lift")
+        below = mark(ca.mtimes(to_link, n("normal"))) * n("lift")
         for k in range(kind.corners):
             push = mark(ca.mtimes(to_link, x["force"][3 * k : 3 * k + 3]))
             force -= push

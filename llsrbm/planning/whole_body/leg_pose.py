@@ -23,13 +23,12 @@ def pose_inputs(kind: LimbKind) -> dict[str, int]:
 
 def pose_outputs(kind: LimbKind) -> dict[str, int]:
     """Outputs of `leg_pose`, world axes: the foot's place; of soles its velocity, axes and rate; of
-    a point foot how fast the point of its ball slides that is lowest; the middles of balls and how
-    fast they rise; the knee's height; in base axes from the base's origin, the foot, and the middle
-    of the shank.
+    a point foot the velocity of the point by which its ball touches; the middles of balls; the
+    knee's height; in base axes from the base's origin, the foot, and the middle of the shank.
     """
-    moves = {"velocity": 3, "sole": 9, "omega": 3} if kind.corners > 1 else {"slides": 2}
+    moves = {"velocity": 3, "sole": 9, "omega": 3} if kind.corners > 1 else {"slides": 3}
     shank = 1 if kind.knee is None else 2
-    found = {"foot": 3, **moves, "balls": 3 * kind.corners, "rises": kind.corners}
+    found = {"foot": 3, **moves, "balls": 3 * kind.corners}
     return found | {"knee_height": shank - 1, "shank": 3 * shank}
 
 
@@ -60,13 +59,9 @@ def leg_pose(kind: LimbKind) -> Derived:
     arms = [
         mark(ca.mtimes(R, n("balls")[3 * k : 3 * k + 3])) for k in range(kind.corners)
     ]  # from the foot's frame
-    up = R_world_base[2, :].T
     found = {
         "foot": place,
         "balls": ca.vertcat(*(place + ca.mtimes(R_world_base, arm) for arm in arms)),
-        "rises": ca.vertcat(
-            *(x["velocity"][2] + ca.dot(up, turned + cross(omega, arm)) for arm in arms)
-        ),
         "knee_height": ca.SX(0, 1),
         "shank": foot,
     }
@@ -76,11 +71,11 @@ def leg_pose(kind: LimbKind) -> Derived:
         found["sole"] = ca.vec(ca.mtimes(R_world_base, mark(ca.mtimes(R, axes))))
         found["omega"] = ca.mtimes(R_world_base, omega)
     else:
-        lowest = arms[0] - n("radius") * up
-        slides = x["velocity"] + ca.mtimes(R_world_base, turned + cross(omega, lowest))
-        found["slides"] = slides[:2]
+        touching = arms[0] - n("radius") * mark(ca.mtimes(R_world_base.T, n("normal")))
+        slides = turned + cross(omega, touching)
+        found["slides"] = x["velocity"] + ca.mtimes(R_world_base, slides)
     if knee is not None:
-        found["knee_height"] = x["position"][2] + ca.dot(up, knee)
+        found["knee_height"] = x["position"][2] + ca.dot(R_world_base[2, :].T, knee)
         found["shank"] = ca.vertcat(foot, (foot + knee) / 2)
     outputs = pose_outputs(kind)
     assert {name: found[name].numel() for name in outputs} == outputs

@@ -28,9 +28,9 @@ class Leg:
 
     Attributes:
         foot: (3,) m, of its frame; sole: (3, 3) its axes; None of a ball.
-        velocity, omega: (3,) m/s, rad/s of a sole's frame; slides: (2,) m/s, horizontally, of the
-            lowest point of a point foot's ball.
-        balls: (3,) m each, their middles; rises: m/s, how fast they do.
+        velocity, omega: (3,) m/s, rad/s of a sole's frame; slides: (3,) m/s, of the point by which
+            a point foot's ball touches.
+        balls: (3,) m each, their middles.
         radius: m of the balls.
         knee_height: m; empty if it has no knee.
         shank: (3,) m of the foot, and of the middle between it and the knee if there is one, base
@@ -43,7 +43,6 @@ class Leg:
     omega: Any
     slides: Any
     balls: list[Any]
-    rises: list[Any]
     radius: Any
     knee_height: Any
     shank: list[Any]
@@ -60,7 +59,6 @@ class Leg:
             omega=at["omega"] if soles else None,
             slides=None if soles else at["slides"],
             balls=ca.vertsplit(at["balls"], 3),
-            rises=ca.vertsplit(at["rises"]),
             radius=radius,
             knee_height=at["knee_height"],
             shank=ca.vertsplit(at["shank"], 3),
@@ -73,12 +71,19 @@ class Ground:
 
     Attributes:
         place: (3,) m, where it stands, or will; heading: (2,) where a sole looks.
+        axes: (3, 3) of the surface there, its normal last; tilt: (2,) how it rises along x and y.
         towards: (2,) the direction across the edge that it crosses.
     """
 
     place: Any
     heading: Any
+    axes: Any
+    tilt: Any
     towards: Any
+
+    def height(self, point: Any) -> Any:
+        """m: of a point, less what the surface rises from the place to below it."""
+        return point[2] - ca.dot(self.tilt, point[:2] - self.place[:2])
 
 
 def off_place(leg: Leg, ground: Ground) -> list[Any]:
@@ -87,9 +92,10 @@ def off_place(leg: Leg, ground: Ground) -> list[Any]:
     if len(leg.balls) > 1:
         ahead, sole = ground.heading, leg.sole
         turns = sole[1, 0] * ahead[0] - sole[0, 0] * ahead[1]
-        return [off, ca.vertcat(sole[2, 1], -sole[2, 0], turns)]
-    height = leg.balls[0][2] - leg.radius - ground.place[2]
-    return [ca.vertcat(off[0], off[1], height)]
+        leans = [ca.dot(ground.axes[:, 2], sole[:, i]) for i in range(2)]
+        return [off, ca.vertcat(leans[1], -leans[0], turns)]
+    above = ca.dot(ground.axes[:, 2], leg.balls[0] - ground.place) - leg.radius
+    return [ca.vertcat(off[0], off[1], above)]
 
 
 def rest(leg: Leg, ground: Ground) -> Any:
@@ -101,7 +107,7 @@ def rest(leg: Leg, ground: Ground) -> Any:
     if len(leg.balls) > 1:
         turn = (leg.omega + DRIFT * off[1]) / TURN_UNIT
         return ca.vertcat(leg.velocity + DRIFT * off[0], turn)
-    return ca.vertcat(leg.slides, leg.rises[0] + DRIFT * off[0][2])
+    return ca.mtimes(ground.axes.T, leg.slides) + ca.vertcat(0, 0, DRIFT * off[0][2])
 
 
 def landing(leg: Leg, ground: Ground) -> Any:
@@ -110,10 +116,10 @@ def landing(leg: Leg, ground: Ground) -> Any:
     return ca.vertcat(off[0] / LANDING_UNIT, *off[1:])
 
 
-def heights(leg: Leg) -> Any:
-    """m: lowest points of a foot's balls; of a sole, its middle first."""
-    lowest = [ball[2] - leg.radius for ball in leg.balls]
-    return ca.vertcat(*([leg.foot[2]] if len(lowest) > 1 else []), *lowest)
+def heights(leg: Leg, ground: Ground) -> Any:
+    """m: lowest points of a foot's balls, as `Ground.height`; of a sole, its middle first."""
+    lowest = [ground.height(ball) - leg.radius for ball in leg.balls]
+    return ca.vertcat(*([ground.height(leg.foot)] if len(lowest) > 1 else []), *lowest)
 
 
 def along(leg: Leg, ground: Ground) -> Any:

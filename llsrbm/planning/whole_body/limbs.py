@@ -71,6 +71,13 @@ class LimbKind:
             found |= {f"{name} {i}": size for name, size in (JOINT | LINK).items()}
         return found | self.of_foot
 
+    @property
+    def given(self) -> dict[str, int]:
+        """Name -> number of the numbers of its functions: its own, then the normal of the ground
+        that its foot stands on, world axes.
+        """
+        return self.numbers | ({"normal": 3} if self.corners else {})
+
 
 @dataclass(frozen=True, eq=False)
 class Limb:

@@ -16,6 +16,7 @@ from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
 from llsrbm.planning.whole_body.stage import composed_stage
 from llsrbm.planning.whole_body.start import LANDED, Start
+from llsrbm.request.slopes import normals
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -60,6 +61,9 @@ def _parameters(rows: RowBounds) -> Array:
     place = start.place[::2].copy()
     place[..., :2] += _rolled(rows.robot, grid, start)
     own["place"][:] = place.reshape(len(values), -1)
+    own["tilt"][:] = start.tilt.reshape(len(values), -1)
+    own["normal"][:] = normals(start.tilt).reshape(len(values), -1)
+    own["level"][:] = start.level
     own["heading"][:] = start.heading.reshape(len(values), -1)
     for k, phase in enumerate(grid.phase):
         own["towards"][k] = start.task.towards(int(phase)).ravel()

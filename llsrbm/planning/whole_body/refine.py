@@ -29,7 +29,7 @@ from llsrbm.planning.whole_body.problem import make_horizon
 from llsrbm.planning.whole_body.result import Feet, plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
-from llsrbm.planning.whole_body.start import Start, footholds, start_of
+from llsrbm.planning.whole_body.start import Start, footholds, start_of, tilts
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -129,7 +129,7 @@ class Refiner:
             assert rounds.start is not None
             self.last, self.solution = rounds.motion, rounds.solution
             self.rows = RowBounds(self.robot, self.grid, rounds.sizes, rounds.start)
-            feet = Feet(rounds.start.place, rounds.start.foot_quat)
+            feet = Feet(rounds.start.place, rounds.start.foot_quat, rounds.start.tilt)
             whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
             result = replace(whole, violations=rounds.found, certificate=None)
         report = Refinement(
@@ -147,8 +147,9 @@ class Refiner:
         """A start whose motion is that of variables nearby; of the plan only its request counts."""
         robot, grid = self.robot, self.grid
         motion = Motion.of(nearby.variables, grid, Sizes.of(robot, len(grid.phases)))
-        place, heading = footholds(task_of(plan, robot), grid)
-        feet = Feet(place, quaternions_about_z(heading))
+        task = task_of(plan, robot)
+        place, heading = footholds(task, grid)
+        feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
         return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended()
 
 

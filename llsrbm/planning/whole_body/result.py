@@ -18,6 +18,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.sizes import NODES
+from llsrbm.request.slopes import normals
 from llsrbm.robots.drives.torques import torque_in_direction
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -30,6 +31,7 @@ class Feet(NamedTuple):
 
     place: Array  # (2 N + 1, L, 3) m
     quat: Array  # (2 N + 1, L, 4)
+    tilt: Array  # (N + 1, L, 2) gradients of the ground below them, at the knots
 
 
 def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) -> Plan:
@@ -49,8 +51,16 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     # Soles drift by less than the rows' tolerance from where they are planned to stand.
     stands, touches = feet.place.copy(), feet.place.copy()
     if robot.file.foot.is_point:  # balls roll, and their frames rise and sink as shanks lean
-        stands[..., :2] = touches[..., :2] = foot_position[..., :2]
-        stands[..., 2] += foot_position[..., 2] - lowest
+        tilt = feet.tilt[np.arange(len(time)) // 2]
+        normal, radius = normals(tilt), foot_contacts(robot)[0].radius
+        middle = foot_position[..., :2]
+        rises = (tilt * (middle - feet.place[..., :2])).sum(axis=-1)
+        stands[..., :2] = middle
+        # A ball touches a slope beside its lowest point.
+        above = radius * (1 / normal[..., 2] - 1)
+        stands[..., 2] += rises + above + foot_position[..., 2] - lowest
+        touches[..., :2] = middle - radius * normal[..., :2]
+        touches[..., 2] += rises + (tilt * (touches[..., :2] - middle)).sum(axis=-1)
     foot_position = np.where(rests[..., None], stands, foot_position)
     foot_quat = np.where(rests[..., None], feet.quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T

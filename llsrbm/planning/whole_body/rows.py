@@ -12,9 +12,11 @@ from functools import cached_property
 from typing import Any
 
 import casadi as ca
+import numpy as np
 
 from llsrbm.mechanics import INSCRIBED
 from llsrbm.ocp.horizon import Row
+from llsrbm.planning.problem.rotations import on_surface
 from llsrbm.planning.whole_body import costs, legs
 from llsrbm.planning.whole_body.chain import split
 from llsrbm.planning.whole_body.grid import Knot
@@ -114,7 +116,7 @@ class Stage:
                 found.append((name, DRIVE_SLOPE * load / torque_share + speed / speed_share))
             elif name == "friction":
                 force = sum(w * node["force"] for w, node in zip(at, self.nodes, strict=True))
-                found.append((name, _pyramid(force, mu * INSCRIBED)))
+                found.append((name, _pyramid(self._on_surfaces(force), mu * INSCRIBED)))
             else:
                 found.append((name, middle[name]))
         return found
@@ -124,10 +126,17 @@ class Stage:
         total = sum(effort[:6] for effort in self.efforts[node])
         return ca.vertcat(total[:3], total[3:] / MOMENT_ARM) / self.numbers["weight"]
 
+    def _on_surfaces(self, force: Any) -> Any:
+        """Forces of the feet that stand, in axes of what they stand on."""
+        corners = self.sizes.corners
+        each = zip(np.repeat(self.knot.standing, corners), ca.vertsplit(force, 3), strict=True)
+        return ca.vertcat(*(ca.mtimes(self._ground(int(leg)).axes.T, f) for leg, f in each))
+
     def _ground(self, leg: int) -> legs.Ground:
-        place, heading, towards = (self.numbers[n] for n in ("place", "heading", "towards"))
         pair = slice(2 * leg, 2 * leg + 2)
-        return legs.Ground(place[3 * leg : 3 * leg + 3], heading[pair], towards[pair])
+        heading, tilt, towards = (self.numbers[n][pair] for n in ("heading", "tilt", "towards"))
+        place = self.numbers["place"][3 * leg : 3 * leg + 3]
+        return legs.Ground(place, heading, on_surface(tilt), tilt, towards)
 
     def _legs(self, poses: tuple[Any, ...]) -> list[legs.Leg]:
         found = []
@@ -154,7 +163,7 @@ class Stage:
             "speed": x["joint_velocity"] / self.numbers["speed_limit"],
             "rest": ca.vertcat(*(legs.rest(*each) for each in stand)),
             "landing": ca.vertcat(*(legs.landing(found[i], grounds[i]) for i in self.knot.landing)),
-            "clearance": ca.vertcat(*(legs.heights(leg) for leg, _ in swing)),
+            "clearance": ca.vertcat(*(legs.heights(*each) for each in swing)),
             "edge": ca.vertcat(*(legs.along(*each) for each in swing)),
             "shanks": ca.vertcat(*(d for each in shanks for d in each)),
             "knees": ca.vertcat(*(legs.knee_height(*each) for each in stand * self.sizes.knees)),

@@ -162,7 +162,8 @@ class Sizes:
     @property
     def own(self) -> dict[str, int]:
         """Parameters of a stage: what its states are near to, times, weights, limits, places of the
-        feet, where they look, directions across edges, and how far links are apart.
+        feet, where they look, how the ground rises there and its normals, how a base leans that is
+        level to it, directions across edges, and how far links are apart.
 
         `step` is the interval's share of its `phase`, which is marked by a one.
         """
@@ -174,6 +175,9 @@ class Sizes:
             "limits": len(LIMITS),
             "place": 3 * self.legs,
             "heading": 2 * self.legs,
+            "tilt": 2 * self.legs,
+            "normal": 3 * self.legs,
+            "level": 2,
             "towards": 2 * self.legs,
             "apart": self.near * self.posture,
             "apart_in_middle": self.near * self.posture,

@@ -129,7 +129,7 @@ class _Builder:
             joints = [*self._of_limb(pose["joint_position"], i)]
             joints += self._of_limb(pose["joint_velocity"], i)
             of = leg_pose(self.sizes.limbs[i])
-            found.append(self.calls(of, [*base, *joints], self.numbers[f"limb {i}"]))
+            found.append(self.calls(of, [*base, *joints], self._numbers_of(i)))
         return tuple(found)
 
     def _efforts(self, pose: dict[str, Part], node: int) -> tuple[Part, ...]:
@@ -146,8 +146,15 @@ class _Builder:
                 place, size = knot.standing.index(i), 3 * sizes.corners
                 inputs.append(u["force"].cut(place * size, (place + 1) * size))
             of = limb_effort(kind, stands)
-            found.append(self.calls(of, inputs, self.numbers[f"limb {i}"]))
+            found.append(self.calls(of, inputs, self._numbers_of(i)))
         return tuple(found)
+
+    def _numbers_of(self, limb: int) -> Any:
+        """A limb's numbers, of a leg with the normal of what its foot stands on."""
+        own = [self.numbers[f"limb {limb}"]]
+        if limb < self.sizes.legs:
+            own.append(self.numbers["normal"][3 * limb : 3 * limb + 3])
+        return ca.vertcat(*own)
 
     def _of_limb(self, joints: Part, limb: int) -> Iterator[Part]:
         """A limb's of all joints' values."""

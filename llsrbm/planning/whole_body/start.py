@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities
-from llsrbm.mechanics import apply, interpolated, rotation_matrices, sign_continuous, slerp
+from llsrbm.mechanics import (
+    apply,
+    interpolated,
+    quaternion_product,
+    quaternions_about_z,
+    rotation_matrices,
+    sign_continuous,
+    slerp,
+)
 from llsrbm.models import MODELS
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.surroundings import Block, surroundings
@@ -22,6 +30,7 @@ from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
 from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes
 from llsrbm.planning.whole_body.tops import tops
 from llsrbm.request.scenario import Scenario
+from llsrbm.request.slopes import leaning
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -69,6 +78,8 @@ class Start:
         force: (N, nodes, 3 C) N, of all contact points.
         place, foot_quat: (2 N + 1, L, 3) m, (2 N + 1, L, 4) of the feet: where they stand, their
             places.
+        tilt: (N + 1, L, 2) gradients of the ground that feet stand on, or swing over; level:
+            (N + 1, 2) x and y of the quaternion of a base that is level to it.
         weights: of costs, but for what differs where the robot has landed.
         solids: the ground and blocks; apart: distances of links from each other and from them, and
             of the CoM from the limits of its apex.
@@ -82,6 +93,8 @@ class Start:
     force: Array
     place: Array
     foot_quat: Array
+    tilt: Array
+    level: Array
     weights: Mapping[str, float]
     solids: tuple[Block, ...]
     apart: Apart
@@ -190,6 +203,8 @@ def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
         force=force.reshape(count, len(NODES), -1),
         place=_places(plan, task, grid),
         foot_quat=plan.foot_quat[last_knot],
+        tilt=tilts(task, grid),
+        level=_level(task, grid),
         weights=_weights(task),
         solids=solids,
         apart=Apart.near(
@@ -257,6 +272,39 @@ def footholds(task: Task, grid: Grid) -> tuple[Array, Array]:
         resting = list(knot.standing if half % 2 else knot.resting)
         place[half, resting], heading[half, resting] = there.feet[resting], there.yaw[resting]
     return place, heading
+
+
+def tilts(task: Task, grid: Grid) -> Array:
+    """(N + 1, L, 2) gradients of the ground that feet stand on; in the air between two of them."""
+    shares, stands = grid.shares[::2], task.schedule.stands
+    found = np.zeros((len(shares), stands.shape[1], 2))
+    for k, share in enumerate(shares):
+        phase = grid.phase_at(2 * k)
+        progress = np.zeros(stands.shape[1])
+        for leg in np.flatnonzero(~stands[phase]):
+            there = np.flatnonzero(stands[:, leg])
+            lift, touch = there[there < phase][-1] + 1, there[there > phase][0]
+            progress[leg] = (share - lift) / (touch - lift)
+        found[k] = task.tilt(phase, progress[None])[0]
+    return found
+
+
+def _level(task: Task, grid: Grid) -> Array:
+    """(N + 1, 2) x and y of the quaternion of a base that is level to what is below it."""
+    leans = quaternion_product(
+        leaning(np.array([place.tilt[0] for place in task.places])),
+        quaternions_about_z([place.heading for place in task.places]),
+    )[:, 1:3]
+    if not task.foot.is_point:
+        leans[:] = 0.0
+    phases = list(task.schedule)
+    found = []
+    for k, share in enumerate(grid.shares[::2]):
+        phase = grid.phase_at(2 * k)
+        here, there = phases[phase].place, phases[min(phase + 1, len(phases) - 1)].place
+        moved = share - phase if phases[phase].is_flight else 0.0
+        found.append(leans[here] + moved * (leans[there] - leans[here]))
+    return np.array(found)
 
 
 def _places(plan: Plan, task: Task, grid: Grid) -> Array:

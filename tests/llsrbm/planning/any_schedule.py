@@ -23,7 +23,7 @@ def task_of(schedule: Schedule, robot: Robot, shift=(0.1, 0.0, 0.0), twist: floa
         feet = Rotation.from_euler("z", heading).apply(robot.feet) + origin
         yaw = first.yaw + heading * turning
         contacts = contact_points(feet, yaw, np.array(robot.corners))
-        places.append(Footholds(feet, yaw, contacts, heading, origin))
+        places.append(Footholds(feet, yaw, contacts, np.zeros((len(feet), 2)), heading, origin))
     turn = Rotation.from_euler("z", places[-1].heading)
     half = places[-1].heading / 2
     return replace(

@@ -11,7 +11,7 @@ from llsrbm.planning.problem.constraints.base import Bounds, Constraint
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.limit_table import limits_called
 from llsrbm.planning.problem.roles import Role
-from llsrbm.planning.problem.rotations import across
+from llsrbm.planning.problem.rotations import across, on_surface
 from llsrbm.planning.problem.stage import Stage
 from llsrbm.planning.problem.task import Task
 
@@ -67,7 +67,8 @@ class FeetAtRest(Constraint):
 
 
 class FrictionPyramid(Constraint):
-    """|f_x|, |f_y| <= mu / sqrt(2) f_z: the pyramid (section IV-D) inside the cone of friction mu.
+    """|f_x|, |f_y| <= mu / sqrt(2) f_z: the pyramid (section IV-D) inside the cone of friction mu,
+    in axes of the surface on which a foot stands.
 
     The paper's, with mu itself, reaches out of the cone by 41 % at its edges, where the ground does
     not hold. The cone as such, one curved row a contact, makes five times the iterations: forces
@@ -86,7 +87,9 @@ class FrictionPyramid(Constraint):
         """(4 standing contacts, 1), at most 0."""
         mu = stage.parameters["friction"] * INSCRIBED
         columns = []
-        for fx, fy, fz in (ca.vertsplit(c) for c in ca.horzsplit(stage.force)):
+        legs = np.array(stage.points) // stage.layout.corners
+        for leg, force in zip(legs, ca.horzsplit(stage.force), strict=True):
+            fx, fy, fz = ca.vertsplit(on_surface(stage.tilt[:, int(leg)]).T @ force)
             columns += [fx - mu * fz, -fx - mu * fz, fy - mu * fz, -fy - mu * fz]
         return ca.vertcat(*columns)
 

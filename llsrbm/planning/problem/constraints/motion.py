@@ -143,7 +143,8 @@ class FinalPlace(Constraint):
     def rows(self, stage: Stage) -> Any:
         """(2, 1) m: how far the CoM is from its target above the feet, along the target's axes."""
         w, z = stage.parameters["goal_quat"][0], stage.parameters["goal_quat"][3]
-        c, s = w * w - z * z, 2 * w * z
+        whole = w * w + z * z  # less than one where it leans
+        c, s = (w * w - z * z) / whole, 2 * w * z / whole
         x, y = stage.off_goal[0], stage.off_goal[1]
         return ca.vertcat(c * x + s * y, c * y - s * x)
 
