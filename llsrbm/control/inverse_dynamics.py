@@ -30,7 +30,8 @@ from llsrbm.control.qp import Qp, check_name
 from llsrbm.control.reference import Target
 from llsrbm.control.tasks import Task
 from llsrbm.control.whole_body import WholeBody
-from llsrbm.mechanics import INSCRIBED, rotation_matrices, turned_to
+from llsrbm.mechanics import INSCRIBED
+from llsrbm.request.slopes import surface_axes
 
 _BASE = 6  # unactuated velocities
 _REGULARISATION = 1e-6  # (m/s2)^-2; accelerations that no task sees, e.g. the base's in flight
@@ -144,7 +145,7 @@ class InverseDynamics:
             return
         self._pyramids[len(points)] = points
         n = self._n
-        for k, R_world_surface in enumerate(rotation_matrices(turned_to(points, 2))):
+        for k, R_world_surface in enumerate(surface_axes(points)):
             columns = slice(n + 3 * k, n + 3 * k + 3)
             qp.C[4 * k : 4 * k + 4, columns] = self._faces @ R_world_surface.T
 

@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from llsrbm.arrays import Array
-from llsrbm.mechanics import turned_to
+from llsrbm.mechanics import rotation_matrices, turned_to, turns_about_z
 
 if TYPE_CHECKING:
     from llsrbm.request.jump import Jump
+
+
+_LEVEL = 1e-12  # square of a gradient below which a surface is level
 
 
 def gradient(slope: float, cross_slope: float, heading: float) -> Array:
@@ -35,6 +38,18 @@ def normals(gradients: Array) -> Array:
 def leaning(gradients: Array) -> Array:
     """Quaternions (..., 4) w, x, y, z that turn what is level onto surfaces, the short way."""
     return turned_to(normals(gradients), 2)
+
+
+def surface_axes(normals: Array) -> Array:
+    """R_world_surface (..., 3, 3) of unit normals (..., 3), the last column: see
+    `llsrbm.planning.problem.rotations.on_surface`.
+    """
+    fall = normals[..., :2]
+    angle = np.arctan2(-fall[..., 1], -fall[..., 0]) - np.pi / 4
+    level = (fall**2).sum(axis=-1) < _LEVEL
+    turn = turns_about_z(np.where(level, 0.0, angle))
+    axes: Array = rotation_matrices(turned_to(normals, 2)) @ turn
+    return axes
 
 
 def gradients(jump: Jump, places: int, headings: Sequence[float]) -> list[Array]:

@@ -12,6 +12,7 @@ from llsrbm.control.reference import braking_time
 from llsrbm.control.whole_body import WholeBody
 from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices
+from llsrbm.motion.grounds import foot_normals
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.surroundings import surroundings
@@ -51,9 +52,12 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
     data = model.createData()
     # Spheres may lie inside of a sole's corners: the sole's own place is what counts.
     R_world_foot = rotation_matrices(plan.foot_quat[0])
+    normals, flat = foot_normals(plan, plan.time[:1])[0], np.array([1.0, 1.0, 0.0])
+    point = robot.file.foot.is_point
+    places = plan.contact_point[0] if point else plan.foot_position[0]
     goal = [
-        place + contact.centres @ R.T * [1, 1, 0] + [0.0, 0.0, contact.radius]
-        for place, R, contact in zip(plan.foot_position[0], R_world_foot, contacts, strict=True)
+        place + (contact.centres * flat) @ R.T + contact.radius * normal
+        for place, R, contact, normal in zip(places, R_world_foot, contacts, normals, strict=True)
     ]
     R_world_base = rotation_matrices(plan.base_quat[0])
     q = robot.posture.copy()
@@ -68,12 +72,12 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
         turn = np.zeros((3, model.nv))
         turn[:, 3:6] = np.eye(3)
         errors, jacobians = [plan.com[0] - data.com[0], pin.log3(R.T @ R_world_base)], [J_com, turn]
-        for leg, contact, places in zip(robot.legs, contacts, goal, strict=True):
+        for leg, contact, aims in zip(robot.legs, contacts, goal, strict=True):
             frame = data.oMf[leg.foot_frame_id]
             J = pin.getFrameJacobian(
                 model, data, leg.foot_frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             )
-            for centre, place in zip(contact.centres, places, strict=True):
+            for centre, place in zip(contact.centres, aims, strict=True):
                 lever = frame.rotation @ centre
                 errors.append(place - frame.translation - lever)
                 jacobians.append(J[:3] - pin.skew(lever) @ J[3:])

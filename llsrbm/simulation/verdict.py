@@ -6,7 +6,8 @@ within 50 mm of the plan horizontally, tilt ends below 2 deg and stayed below 15
 touchdown, it was not thrown up again for more than 30 ms, and the controller's program was solved
 in every tick; judged a second after the plan's end. A body that turns over comes down with several
 rad/s and has to lean against its turn as it lands: its tilt after touchdown counts from the planned
-attitude, at the end from the vertical as ever.
+attitude of that instant. That of others, and that at the end, counts from how the plan ends, level
+or as its slope is.
 
 Recovered: strict success but for where the feet are, which a push or a new plan rightly moves.
 """
@@ -25,7 +26,7 @@ from llsrbm.arrays import Array
 from llsrbm.control.contact_schedule import Flight
 from llsrbm.control.controller import WholeBodyController
 from llsrbm.control.reference import com_at_rest
-from llsrbm.mechanics import tilt, turned
+from llsrbm.mechanics import turned
 from llsrbm.motion.outcome import (
     FEET_WITHIN,
     FINAL_TILT,
@@ -153,7 +154,7 @@ def _at_end(plan: Plan, columns: dict[str, Any], mass: float) -> dict[str, Any]:
     return {
         "final_yaw_error": float(turned(columns["base_quat"][-1:], plan.base_quat[-1:])[0]),
         "final_position_error": float(np.linalg.norm(com_off[:2])),
-        "final_tilt": float(tilt(columns["base_quat"])[-1]),
+        "final_tilt": float(_lean(columns["base_quat"][-1:], plan.base_quat[-1:])[0]),
         "final_speed": float(np.linalg.norm(resting, axis=-1).max() / mass),
         "foot_error": float(_feet_off(plan, columns)[-1].max()),
     }
@@ -171,7 +172,8 @@ def _after_touchdown(
     if touchdown is None:
         return {"peak_tilt": 0.0, "second_flight_s": 0.0}
     after = columns["time"] >= touchdown
-    leans = _lean(columns) if plan.jump.turns else tilt(columns["base_quat"])
+    planned = columns["reference_base_quat"] if plan.jump.turns else plan.base_quat[-1:]
+    leans = _lean(columns["base_quat"], planned)
     aloft = ~columns["contact"].astype(bool).any(axis=1)
     return {
         "peak_tilt": float(leans[after].max(initial=0.0)),
@@ -273,13 +275,15 @@ def _rebounds_on_feet(
     return True
 
 
-def _lean(columns: dict[str, Any]) -> Array:
-    """(T,) rad: between the base's z axis and that of the attitude that was tracked."""
-    actual, planned = (
-        Rotation.from_quat(columns[name], scalar_first=True).apply([0.0, 0.0, 1.0])
-        for name in ("base_quat", "reference_base_quat")
+def _lean(actual: Array, planned: Array) -> Array:
+    """(T,) rad: between z axes of attitudes (T, 4) and of planned ones, (T, 4) or (1, 4)."""
+    up, wanted = (
+        Rotation.from_quat(quat, scalar_first=True).apply([0.0, 0.0, 1.0])
+        for quat in (actual, planned)
     )
-    return np.arccos(np.clip(np.sum(actual * planned, axis=1), -1.0, 1.0))
+    # The half angle's sine is exact where the cosine of a small angle has lost its digits.
+    half: Array = np.linalg.norm(up - wanted, axis=1) / 2
+    return 2 * np.arcsin(np.minimum(half, 1.0))
 
 
 def _not_standing(

@@ -14,6 +14,8 @@ import casadi as ca
 
 from llsrbm.models.base import CentroidalModel, no_lift
 
+LEVEL = 1e-12  # square of a gradient below which a surface is level
+
 
 def rotation_matrix(quat: Any) -> Any:
     """R_world_base of a unit quaternion, (3, 3) (the paper's appendix)."""
@@ -45,16 +47,25 @@ def quat_exp(rotation_vector: Any) -> Any:
 def on_surface(gradient: Any) -> Any:
     """R_world_surface, (3, 3), of a surface that rises by `gradient` (2,) along x and y.
 
-    Its third column is the surface's normal; it turns what is level onto it, the short way.
+    Its third column is the surface's normal. The fall line is half way between the others, where a
+    friction pyramid with these sides has its edge, which holds as much as the cone. The identity
+    of a level surface.
     """
     nz = 1 / ca.sqrt(1 + ca.sumsqr(gradient))
     nx, ny = -gradient[0] * nz, -gradient[1] * nz
     across = -nx * ny / (1 + nz)
-    return ca.vertcat(
+    leaning = ca.vertcat(
         ca.horzcat(1 - nx**2 / (1 + nz), across, nx),
         ca.horzcat(across, 1 - ny**2 / (1 + nz), ny),
         ca.horzcat(-nx, -ny, nz),
     )
+    steep = ca.sumsqr(gradient)
+    length = ca.sqrt(2 * ca.fmax(steep, LEVEL))
+    along, beside = gradient[0] + gradient[1], gradient[1] - gradient[0]
+    c = ca.if_else(steep > LEVEL, along / length, 1)
+    s = ca.if_else(steep > LEVEL, beside / length, 0)
+    turn = ca.vertcat(ca.horzcat(c, -s, 0), ca.horzcat(s, c, 0), ca.horzcat(0, 0, 1))
+    return ca.mtimes(leaning, turn)
 
 
 def across(R_world_base: Any, heading: Any) -> Any:

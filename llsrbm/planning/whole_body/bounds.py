@@ -85,7 +85,10 @@ class RowBounds:
                 return -self.start.apart.at_zero[half], above
         assert name == "friction"
         carried = reserve.landing_carried if landed else reserve.carried
-        return np.full(size, carried * limits.friction * INSCRIBED), above
+        steep = np.linalg.norm(self.start.tilt[half // 2][list(knot.standing)], axis=-1)
+        # On a slope it is a share of what is left beside standing still.
+        left = np.clip(1 - steep / limits.friction, 0.0, 1.0).repeat(size // len(steep))
+        return carried * limits.friction * INSCRIBED * left, above
 
     def _swinging(self, knot: Knot, half: int) -> list[int]:
         stands = knot.standing if half % 2 else knot.resting

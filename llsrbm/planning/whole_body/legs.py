@@ -118,7 +118,9 @@ def landing(leg: Leg, ground: Ground) -> Any:
 
 def heights(leg: Leg, ground: Ground) -> Any:
     """m: lowest points of a foot's balls, as `Ground.height`; of a sole, its middle first."""
-    lowest = [ground.height(ball) - leg.radius for ball in leg.balls]
+    # From a slope a ball is as far as its middle is above it by more than this.
+    radius = leg.radius / ground.axes[2, 2]
+    lowest = [ground.height(ball) - radius for ball in leg.balls]
     return ca.vertcat(*([ground.height(leg.foot)] if len(lowest) > 1 else []), *lowest)
 
 
