@@ -1,6 +1,6 @@
 """Random jumps on ground that is not level: planned, certified, strict with everything disturbed.
 
-    python -m benchmarks.ground --kinds slopes,stones,stairs --robots anymal,go2,slider --requests 60
+    python -m benchmarks.ground --kinds slopes,stones,stairs --requests 60
     python -m benchmarks.ground --kinds routes --robots go2,anymal --requests 20 --seed 41
 
 Slopes: +-20 degrees of pitch and +-15 of roll under the take-off or the landing. Stones: each foot
@@ -58,13 +58,13 @@ def stones(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
     return _moves(rng, robot) | {"stones": places}
 
 
-def stairs(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
+def stairs(rng: np.random.Generator, _robot: Robot) -> dict[str, Any]:
     """One step or two, up or down."""
     count, up = int(rng.integers(1, 3)), 1 if rng.random() < HALF else -1
     return {"forward": count * STEP, "height": up * count * RISE}
 
 
-def routes(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
+def routes(rng: np.random.Generator, _robot: Robot) -> dict[str, Any]:
     """Several landings, not higher nor lower than 15 cm by themselves."""
     count = int(rng.integers(3, 6))
     rows, height = [], 0.0

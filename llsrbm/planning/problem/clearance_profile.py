@@ -117,7 +117,7 @@ def check_footing(task: Task) -> None:
     obstacle = task.obstacle
     if obstacle is None:
         return
-    room = footing_room(task.robot, obstacle) - _ROUNDED
+    room = footing_room(task.robot, is_gap=obstacle.is_gap) - _ROUNDED
     what = "gap" if obstacle.is_gap else "hurdle"
     legs = task.schedule.legs
     middle = (obstacle.near + obstacle.far) / 2

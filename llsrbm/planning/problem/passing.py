@@ -7,7 +7,7 @@ import numpy as np
 from llsrbm.errors import InputError, NoFooting
 from llsrbm.planning.problem.task import Footholds
 from llsrbm.request.jump import Jump
-from llsrbm.request.jump_types import Displacement, JumpType, ObstacleRow
+from llsrbm.request.jump_types import Displacement, JumpType
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -18,14 +18,25 @@ RAMP = 0.04  # m, length of a ramp of the clearance profile: feet move about as 
 SCATTER = 0.02
 
 
-def obstacle_of(jump: Jump, kind: JumpType, start: Footholds) -> Obstacle | None:
+def obstacle_of(jump: Jump, kind: JumpType, start: Footholds, robot: Robot) -> Obstacle | None:
     """What a jump passes over, in the world, ahead of the foremost contact point at the start.
 
+    One that the whole robot passes over begins where feet have room beside it, or so far beyond.
     Raises `InputError`: the request does not say how wide or how high it is.
     """
-    if kind.obstacle is None:
+    row = kind.obstacle
+    if row is None:
         return None
-    return _placed(jump, kind, kind.obstacle, float(start.contacts[:, 0].max()))
+    for name in ("gap", "bar"):
+        if name in kind.parameters and not getattr(jump, name) > 0:
+            raise InputError(
+                f"{name}: jumps of type {jump.type} pass over one; expected a number above 0 m"
+            )
+    near, far, height = row.ends(jump)
+    front = float(start.contacts[:, 0].max())
+    if kind.passes:
+        front = float(start.feet[:, 0].max()) + footing_room(robot, is_gap=height < 0)
+    return Obstacle(front + near, front + far, height)
 
 
 def foot_reach(robot: Robot) -> float:
@@ -34,12 +45,14 @@ def foot_reach(robot: Robot) -> float:
     return radius + float(np.linalg.norm(robot.corners, axis=1).max())
 
 
-def footing_room(robot: Robot, obstacle: Obstacle) -> float:
+def footing_room(robot: Robot, *, is_gap: bool) -> float:
     """m that the middle of a standing foot keeps from the edges of what it passes over."""
-    return foot_reach(robot) + (SCATTER if obstacle.is_gap else RAMP)
+    return foot_reach(robot) + (SCATTER if is_gap else RAMP)
 
 
-def passing(jump: Jump, kind: JumpType, count: int, robot: Robot) -> tuple[Displacement, ...]:
+def passing(
+    jump: Jump, obstacle: Obstacle, count: int, start: Footholds, robot: Robot
+) -> tuple[Displacement, ...]:
     """How far each of one or two jumps leads that take all feet beyond an obstacle.
 
     Of two the first ends astride it, as near to the middle of the way as the feet have room.
@@ -53,12 +66,7 @@ def passing(jump: Jump, kind: JumpType, count: int, robot: Robot) -> tuple[Displ
             f"forward: jumps of type {jump.type} lead as far as what they pass over asks; "
             f"expected 0, got {jump.forward:g} m"
         )
-    assert kind.obstacle is not None  # by `JumpType`
-    feet = robot.feet[:, 0]
-    along = robot.corners[:, 0]
-    front = float(feet.max() + along.max())
-    obstacle = _placed(jump, kind, kind.obstacle, front)
-    room = footing_room(robot, obstacle)
+    feet, room = start.feet[:, 0], footing_room(robot, is_gap=obstacle.is_gap)
     whole = obstacle.far + room - float(feet.min())
     if count == 1:
         return (Displacement(forward=whole),)
@@ -66,20 +74,10 @@ def passing(jump: Jump, kind: JumpType, count: int, robot: Robot) -> tuple[Displ
     shortest = obstacle.far + room - float(feet[feet > middle].min())
     longest = obstacle.near - room - float(feet[feet < middle].max())
     if shortest > longest:
-        widest = obstacle.far - obstacle.near - (shortest - longest)
+        width = obstacle.far - obstacle.near
         raise NoFooting(
             f"{'gap' if obstacle.is_gap else 'bar'}: {robot.name} cannot stand astride "
-            f"{obstacle.far - obstacle.near:.3f} m; expected at most {max(widest, 0.0):.3f} m"
+            f"{width:.3f} m; expected at most {max(width - shortest + longest, 0.0):.3f} m"
         )
     first = float(np.clip(whole / 2, shortest, longest))
     return Displacement(forward=first), Displacement(forward=whole - first)
-
-
-def _placed(jump: Jump, kind: JumpType, row: ObstacleRow, front: float) -> Obstacle:
-    for name in ("gap", "bar"):
-        if name in kind.parameters and not getattr(jump, name) > 0:
-            raise InputError(
-                f"{name}: jumps of type {jump.type} pass over one; expected a number above 0 m"
-            )
-    near, far, height = row.ends(jump)
-    return Obstacle(front + near, front + far, height)

@@ -140,8 +140,15 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         robot = robot.turning
     kind = load_type(jump.type)
     schedule = kind.schedule(robot, jump)
-    displacement = _displacement(jump, kind, schedule.places, robot)
-    places = _places(jump, displacement, robot, schedule.places)
+    start = _start(jump, robot)
+    obstacle = obstacle_of(jump, kind, start, robot)
+    if kind.passes:
+        assert obstacle is not None  # by `JumpType`
+        own = passing(jump, obstacle, schedule.places, start, robot)
+    else:
+        own = kind.displacement
+    displacement = _displacement(jump, kind, own, schedule.places)
+    places = _places(jump, displacement, start, robot, schedule.places)
     end = places[-1]
     Rz = turns_about_z(end.heading)
     turns = round((jump.roll + jump.pitch) / (2 * np.pi))
@@ -172,7 +179,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         robot=robot,
         weights=default_weights() | robot.file.planning | kind.weights | dict(tuning.weights),
         tuning=tuning,
-        obstacle=obstacle_of(jump, kind, places[0]),
+        obstacle=obstacle,
         clears=kind.clears,
         displacement=displacement,
     )
@@ -180,10 +187,12 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
 
 
 def _displacement(
-    jump: Jump, kind: JumpType, count: int, robot: Robot
+    jump: Jump, kind: JumpType, own: tuple[Displacement, ...], count: int
 ) -> tuple[Displacement, ...] | tuple[Landing, ...]:
-    """Where each of several jumps leads if the request as such does not say: `count`, or ()."""
-    own = passing(jump, kind, count, robot) if kind.passes else kind.displacement
+    """Where each of several jumps leads if the request as such does not say: `count`, or ().
+
+    `own`: where the type says that they lead.
+    """
     if own and jump.route:
         raise InputError(
             f'route: jump type "{kind.title}" says itself where its jumps lead; expected a route '
@@ -198,9 +207,16 @@ def _displacement(
     return found
 
 
+def _start(jump: Jump, robot: Robot) -> Footholds:
+    """Where the feet stand at the start."""
+    tilt = gradient(jump.takeoff_slope, jump.takeoff_cross_slope, 0.0)
+    return _footholds(robot, np.array(robot.feet), _headings(robot), 0.0, np.zeros(3), tilt)
+
+
 def _places(
     jump: Jump,
     displacement: Sequence[Displacement | Landing],
+    start: Footholds,
     robot: Robot,
     count: int,
 ) -> tuple[Footholds, ...]:
@@ -208,11 +224,9 @@ def _places(
 
     The request's stones are of the last one, at which every foot lands.
     """
-    yaw = _headings(robot)
     turning = robot.foot_coordinates > 3
     slopes = slopes_of(jump, count)
-    tilt = gradient(*slopes[0], 0.0)
-    places = [_footholds(robot, np.array(robot.feet), yaw, 0.0, np.zeros(3), tilt)]
+    places = [start]
     heading, shift = 0.0, np.zeros(3)
     for k in range(count):
         own = displacement[k] if displacement else None
@@ -229,7 +243,8 @@ def _places(
             stance = stance + offsets(jump.stones, robot)
         feet = stance @ turns_about_z(heading).T + shift
         tilt = gradient(*slopes[k + 1], heading)
-        places.append(_footholds(robot, feet, yaw + heading * turning, heading, shift, tilt))
+        yaw = start.yaw + heading * turning
+        places.append(_footholds(robot, feet, yaw, heading, shift, tilt))
     return tuple(places)
 
 

@@ -180,13 +180,13 @@ class TestFooting:
         task = make_task(Jump(type="gap", forward=0.45), load_robot("go2"))
         front = task.places[0].contacts[:, 0].max()
         assert task.obstacle.near == pytest.approx(front + 0.15)
-        assert task.obstacle.near - front > foot_reach(task) + RAMP
+        assert task.obstacle.near - front > foot_reach(task.robot) + RAMP
 
 
 def test_soles_are_longer_than_points():
     jump = Jump("slider", type="hurdle", forward=0.46)
     task = make_task(jump, load_robot("slider"))
-    assert foot_reach(task) == pytest.approx(np.hypot(0.072, 0.039) + 0.01)
+    assert foot_reach(task.robot) == pytest.approx(np.hypot(0.072, 0.039) + 0.01)
     heel = task.places[-1].contacts[:, 0].min()
     assert heel > task.obstacle.far + 0.01 + RAMP
     with pytest.raises(InputError, match=r"would stand at 0.430 m, but the hurdle goes from"):
