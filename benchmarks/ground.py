@@ -100,7 +100,7 @@ def one(robot: str, kind: str, seed: int, index: int) -> dict[str, Any]:
 def main(
     kinds: str = ",".join(KINDS),
     robots: str = "anymal,go2,slider",
-    requests: Annotated[int, typer.Option(help="Of each kind and robot.")] = 60,
+    requests: Annotated[int, typer.Option(help="For each kind and robot.")] = 60,
     seed: Annotated[int, typer.Option(help="Draws requests and disturbances.")] = 40,
     out: Annotated[Path | None, typer.Option(help="All results, JSON lines.")] = None,
 ) -> None:

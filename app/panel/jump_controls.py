@@ -15,7 +15,7 @@ from app.panel.fields import Ends, Field, Fields, switch
 from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
     extra_fields,
-    says_where,
+    landing_fields,
     title_of_type,
     turn_title,
     turns_offered,
@@ -64,7 +64,7 @@ def _slider(
         ends=ends or of_task,
         step=step,
         slider=True,
-        there=lambda jump: name in (says_where(jump) if ends is None else extra_fields(jump)),
+        there=lambda jump: name in (landing_fields(jump) if ends is None else extra_fields(jump)),
     )
 
 

@@ -54,11 +54,11 @@ def with_type(jump: Jump, name: str) -> Jump:
     jump = with_defaults(replace(jump, type=name))
     if jump.turns:
         jump = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
-    others: dict[str, Any] = dict.fromkeys(set(COMPONENTS) - set(says_where(jump)), 0.0)
+    others: dict[str, Any] = dict.fromkeys(set(COMPONENTS) - set(landing_fields(jump)), 0.0)
     return replace(jump, **others)
 
 
-def says_where(jump: Jump) -> tuple[str, ...]:
+def landing_fields(jump: Jump) -> tuple[str, ...]:
     """Its fields that say where to land; none of a route, which says it itself."""
     if jump.route:
         return ()

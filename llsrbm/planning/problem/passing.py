@@ -1,4 +1,4 @@
-"""What is jumped over, in the world, and how far jumps lead that take all feet beyond it."""
+"""An obstacle in the world, and how far jumps lead that take all feet beyond it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ SCATTER = 0.02
 
 
 def obstacle_of(jump: Jump, kind: JumpType, start: Footholds, robot: Robot) -> Obstacle | None:
-    """What a jump passes over, in the world, ahead of the foremost contact point at the start.
+    """The obstacle that a jump passes over, ahead of the foremost contact point at the start.
 
     One that the whole robot passes over begins where feet have room beside it, or so far beyond.
     Raises `InputError`: the request does not say how wide or how high it is.

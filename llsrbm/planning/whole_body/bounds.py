@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.knee_room import knee_room
 from llsrbm.mechanics import INSCRIBED
+from llsrbm.motion.surroundings import SLOPING
 from llsrbm.planning.problem.foot_clearance import clearance_line, edge_range
 from llsrbm.planning.whole_body.grid import Grid, Knot
 from llsrbm.planning.whole_body.legs import LANDING_UNIT
@@ -131,10 +132,7 @@ class RowBounds:
         line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
         if task.obstacle is not None:
             line = np.maximum(line, self.start.place[half, :, 2])
-        # A landing surface rises beside where the foot lands by as much as the row leaves out.
-        beside = self.start.place[2 * (half // 2), :, :2] - task.footholds_after(phase).feet[:, :2]
-        sloping = (self.start.tilt[half // 2] * beside).sum(axis=-1)
-        line = line + np.where(progress[0] > 0.5, sloping, 0.0)
+        line = line + self._sloping(half, phase)
         # How far it is above the lower of the places that it comes from and goes to.
         above = np.maximum(line - np.minimum(before, after), 0.0)
         lean = np.minimum(LOWER_CORNERS, LOWER_FEET + above / 2)
@@ -144,6 +142,19 @@ class RowBounds:
             if self.sizes.corners > 1:
                 found.append([line[leg] - lean[leg]] * self.sizes.corners)
         return np.concatenate(found)
+
+    def _sloping(self, half: int, phase: int) -> Array:
+        """(L,) m that surfaces rise from where feet stood, or will, to below the start's feet.
+
+        Rows leave that out. Beyond a surface's block there is no ground that rises.
+        """
+        task, knot = self.start.task, half // 2
+        stood, lands = task.footholds_before(phase), task.footholds_after(phase)
+        tilt, way = self.start.tilt[knot], self.start.place[2 * knot, :, :2]
+        landing = (tilt == lands.tilt).all(axis=1) & (self._progress[0][half] > 0.5)
+        place = np.where(landing[:, None], lands.feet[:, :2], stood.feet[:, :2])
+        most = SLOPING * np.linalg.norm(tilt, axis=1)
+        return np.clip((tilt * (way - place)).sum(axis=1), -most, most)
 
     def _edge(self, knot: Knot, half: int) -> tuple[Array, Array]:
         phase, swinging = self.grid.phase_at(half), self._swinging(knot, half)

@@ -59,7 +59,9 @@ def _parameters(rows: RowBounds) -> Array:
     own["apart"][:] = slope[::2]
     own["apart_in_middle"][:-1] = slope[1::2]
     place = start.place[::2].copy()
-    place[..., :2] += _rolled(rows.robot, grid, start)
+    rolled_by = _rolled(rows.robot, grid, start)
+    place[..., :2] += rolled_by
+    place[..., 2] += (start.tilt * rolled_by).sum(axis=-1)
     own["place"][:] = place.reshape(len(values), -1)
     own["tilt"][:] = start.tilt.reshape(len(values), -1)
     own["normal"][:] = normals(start.tilt).reshape(len(values), -1)
@@ -71,7 +73,12 @@ def _parameters(rows: RowBounds) -> Array:
 
 
 def _rolled(robot: Robot, grid: Grid, start: Start) -> Array:
-    """(N + 1, L, 2) m: how far feet have rolled from where they stand at rest, by the start."""
+    """(N + 1, L, 2) m: how far standing feet have rolled from where they stand at rest, by the
+    start; zeros of feet in the air.
+    """
     phase = np.append(grid.phase, len(grid.phases) - 1)
-    state = start.state
-    return rolled(robot, state["joint_position"], state["quat"], start.task.schedule, phase)
+    state, rests = start.state, np.zeros((len(grid.knots), len(robot.legs), 1))
+    for k, knot in enumerate(grid.knots):
+        rests[k, list(knot.resting)] = 1.0
+    away = rolled(robot, state["joint_position"], state["quat"], start.task.schedule, phase)
+    return rests * away

@@ -275,17 +275,23 @@ def footholds(task: Task, grid: Grid) -> tuple[Array, Array]:
 
 
 def tilts(task: Task, grid: Grid) -> Array:
-    """(N + 1, L, 2) gradients of the ground that feet stand on; in the air between two of them."""
+    """(N + 1, L, 2) gradients of the ground that feet stand on.
+
+    In the air it is that of what they left, and from the middle of their swing on that of what they
+    land on.
+    """
     shares, stands = grid.shares[::2], task.schedule.stands
     found = np.zeros((len(shares), stands.shape[1], 2))
     for k, share in enumerate(shares):
         phase = grid.phase_at(2 * k)
-        progress = np.zeros(stands.shape[1])
-        for leg in np.flatnonzero(~stands[phase]):
-            there = np.flatnonzero(stands[:, leg])
-            lift, touch = there[there < phase][-1] + 1, there[there > phase][0]
-            progress[leg] = (share - lift) / (touch - lift)
-        found[k] = task.tilt(phase, progress[None])[0]
+        before, after = task.footholds_before(phase).tilt, task.footholds_after(phase).tilt
+        for leg, rests in enumerate(stands[phase]):
+            lands = False
+            if not rests:
+                there = np.flatnonzero(stands[:, leg])
+                lift, touch = there[there < phase][-1] + 1, there[there > phase][0]
+                lands = share - lift > (touch - lift) / 2
+            found[k, leg] = after[leg] if lands else before[leg]
     return found
 
 

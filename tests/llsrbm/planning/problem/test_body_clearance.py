@@ -58,7 +58,7 @@ def rows_at(name, knot):
     evaluate = ca.Function("rows", inputs, [stage.lift.resolve(rows), slope])
     values = parameters(layout, task)
     phase = int(layout.phase[knot])
-    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards")]
+    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards", "tilt")]
     local = np.concatenate([values[n] for n in names])
     here = np.concatenate([w[place] for place in layout.variables(knot).values()])
 
