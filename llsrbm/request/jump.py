@@ -1,9 +1,11 @@
 """The request: robot, planning model, and where and how to jump."""
 
+from __future__ import annotations
+
 import math
 import reprlib
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
 
 from llsrbm.errors import InputError
@@ -234,6 +236,12 @@ class Jump:
     def jumps(self) -> int:
         """Number of jumps in a row."""
         return len(self.route) or self.hops
+
+    @property
+    def on_level_ground(self) -> Jump:
+        """The same jump with every foot at its default, on surfaces that do not slope."""
+        level: dict[str, Any] = dict.fromkeys(INCLINES, 0.0)
+        return replace(self, stones=(), **level)
 
     @property
     def turns(self) -> bool:

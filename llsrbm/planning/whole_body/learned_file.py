@@ -10,7 +10,6 @@ import json
 import logging
 import zipfile
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -59,9 +58,10 @@ def fits(jump: Jump, tuning: Tuning) -> bool:
 def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned | None:
     """The table that may have jumps like this one, read when it is first wanted.
 
-    A jump with stones begins from the same one without; where the feet land is in its own rows.
+    A jump with stones, or on slopes, begins from the same one without; where the feet land is in
+    its own rows.
     """
-    return _table(robot, grid) if fits(replace(jump, stones=()), tuning) else None
+    return _table(robot, grid) if fits(jump.on_level_ground, tuning) else None
 
 
 def outcomes_of(robot: Robot) -> Outcomes | None:

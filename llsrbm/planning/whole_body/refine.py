@@ -150,7 +150,7 @@ class Refiner:
         task = task_of(plan, robot)
         place, heading = footholds(task, grid)
         feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
-        return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended()
+        return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended(robot)
 
 
 def refined(

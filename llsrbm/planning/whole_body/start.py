@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from llsrbm.body.knot_motion import KnotMotion, states
 from llsrbm.body.momentum import base_velocities
+from llsrbm.body.postures import Postures, solve_postures
 from llsrbm.mechanics import (
     apply,
     interpolated,
@@ -30,7 +31,8 @@ from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
 from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes
 from llsrbm.planning.whole_body.tops import tops
 from llsrbm.request.scenario import Scenario
-from llsrbm.request.slopes import leaning
+from llsrbm.request.slopes import leaning, normals
+from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -137,10 +139,11 @@ class Start:
                 values[1:-1] = state[name][1:-1]
         return replace(self, state=moved)
 
-    def ended(self) -> Start:
+    def ended(self, robot: Robot) -> Start:
         """The same, at rest where the request ends, in the posture in which it begins.
 
-        Between jumps nearby ends are up to some degrees and centimetres off.
+        Between jumps nearby ends are up to some degrees and centimetres off. On slopes the robot
+        begins and ends as it stands there.
         """
         task, state = self.task, {name: values.copy() for name, values in self.state.items()}
         R_begun, R_end = rotation_matrices(np.array([task.start_quat, task.goal_quat]))
@@ -149,6 +152,11 @@ class Start:
         state["quat"][-1] = task.goal_quat
         for name in ("joint_position", "velocity", "omega", "joint_velocity"):
             state[name][-1] = state[name][0]
+        if self.tilt[[0, -1]].any():
+            stands = _standing(task, robot)
+            state["quat"][0] = task.start_quat
+            state["position"][[0, -1]] = stands.base_position
+            state["joint_position"][[0, -1]] = stands.joint_position
         return replace(self, state=state)
 
     def straighter(self) -> Start:
@@ -172,6 +180,23 @@ class Start:
     def of_refined(self) -> Start:
         """The same beside a whole body's motion, which of such a model is its own already."""
         return replace(self, weights={**self.weights, **(OWN if self.keeps_own else {})})
+
+
+def _standing(task: Task, robot: Robot) -> Postures:
+    """Of the robot that stands at the start, and at the end."""
+    ends = task.places[0], task.places[-1]
+    tilt, feet = (np.array([getattr(place, name) for place in ends]) for name in ("tilt", "feet"))
+    # A ball that touches a slope beside its lowest point is higher.
+    up = foot_contacts(robot)[0].radius * (1 / normals(tilt)[..., 2] - 1)
+    feet[..., 2] += up if task.foot.is_point else 0.0
+    level = quaternions_about_z(np.array([place.yaw for place in ends]))
+    return solve_postures(
+        robot,
+        np.array([task.start_position, task.goal_position]),
+        np.array([task.start_quat, task.goal_quat]),
+        feet,
+        quaternion_product(leaning(tilt), level),
+    )
 
 
 def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
