@@ -19,6 +19,7 @@ from benchmarks.jump_types import failures
 from llsrbm.largest_jump import DIRECTIONS, Largest
 from llsrbm.motion.plan import Plan
 
+COMPONENTS = "twist,forward,backward,lateral,up,down"  # robots are mirrored: not to the right too
 STRICT = 0.9  # share of the seeds
 
 
@@ -46,7 +47,7 @@ def score(found: Largest, seeds: range) -> None:
 
 def main(
     robots: Annotated[str, typer.Option(help="Names, with commas.")] = "go2",
-    components: Annotated[str, typer.Option(help="Likewise.")] = ",".join(DIRECTIONS),
+    components: Annotated[str, typer.Option(help="Likewise.")] = COMPONENTS,
     arms: Annotated[str, typer.Option(help="free or held.")] = "free",
     seeds: Annotated[str, typer.Option(help="First:last+1 of simulations.")] = "",
 ) -> None:

@@ -71,15 +71,16 @@ def plan(
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
     Raises:
-        InputError: an unknown name, a request or a limit out of the robot's range, or a plan to
-            start from that is of another robot, model or version, or that failed.
+        InputError: an unknown name, a request that no robot here comes near to, a limit out of
+            range, or a plan to start from that is of another robot, model or version, or that
+            failed.
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint. With patience and the default solver
             its `nearest` is the plan of the nearest jump, and its `reason` what stops the rest.
     """
     jump = of_its_type(jump)
     robot = load_robot(jump.robot)
-    # A request out of range builds no solver.
+    # A request that cannot be builds no solver.
     task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
     drafting = Drafting(
         solver, intervals, weights, limits, near, patient, explains, hurried, cancelled, progress
@@ -127,15 +128,15 @@ def largest(
 ) -> Largest:
     """The largest jump in one direction that is planned, everything else as requested.
 
-    The range of the robot's file does not bound it, what stops it is a limit: of the drives, of
-    joints, of friction, of time, or of links that come near to each other. Only jumps of the whole
+    What stops it is a limit: of the drives, of joints, of friction, of time, or of links that come
+    near to each other. Only jumps of the whole
     body whose certificate holds count. It is what a search by steps of up to 5 cm or 10 degrees
     comes to, each plan begun from the one before: nothing proves that no larger jump exists.
 
     Args:
         jump: the request; a component that it asks for in that direction is the least.
-        component: "twist" (to the left), "forward", "backward", "lateral" (to the left), "up" or
-            "down".
+        component: "twist" or "lateral" (to the left), "twist-right", "lateral-right", "forward",
+            "backward", "up" or "down".
         weights, limits, cancelled, progress: as of `plan`.
 
     Raises:

@@ -1,10 +1,9 @@
 """The largest jump in one direction, everything else as requested.
 
-The range of the robot's file does not bound it; only jumps of the whole body whose certificate
-holds count. It begins where the robot's table of solved jumps goes furthest, or else with the
-request itself. Then each next jump begins from the one before or, where that does not lead on,
-from what the table says; steps are halved where neither does. How far it gets depends
-on these steps: nothing proves that no larger jump exists.
+Only jumps of the whole body whose certificate holds count. It begins where the robot's table of
+solved jumps goes furthest, or else with the request itself. Then each next jump begins from the one
+before or, where that does not lead on, from what the table says; steps are halved where neither
+does. How far it gets depends on these steps: nothing proves that no larger jump exists.
 """
 
 from __future__ import annotations
@@ -26,13 +25,14 @@ from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.solve.watch import Watch
+from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.binding import Edge
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.refine import Refiner
 from llsrbm.request.jump import STEPS, Jump
 from llsrbm.request.messages import look_up
+from llsrbm.request.route import FURTHEST
 from llsrbm.robots import load_robot
 from llsrbm.robots.payload import with_payload
 
@@ -56,6 +56,14 @@ class Direction:
     first: int
     furthest: int
 
+    @classmethod
+    def along(cls, field: str, sign: int) -> Direction:
+        """A component's towards one side, as far as may be asked for."""
+        furthest = math.floor(FURTHEST[field] / STEPS[field] + 1e-6)
+        if field == "twist":
+            return cls(field, sign, "rad", 10, furthest)
+        return cls(field, sign, "m", 5, furthest)
+
     def of(self, jump: Jump, steps: int) -> Jump:
         """The jump with so many steps of it."""
         changed: dict[str, Any] = {self.field: self.sign * self.value(steps)}
@@ -75,12 +83,14 @@ class Direction:
 
 
 DIRECTIONS = {
-    "twist": Direction("twist", 1, "rad", 10, 1440),
-    "forward": Direction("forward", 1, "m", 5, 500),
-    "backward": Direction("forward", -1, "m", 5, 500),
-    "lateral": Direction("lateral", 1, "m", 5, 500),
-    "up": Direction("height", 1, "m", 5, 500),
-    "down": Direction("height", -1, "m", 5, 500),
+    "twist": Direction.along("twist", 1),
+    "forward": Direction.along("forward", 1),
+    "backward": Direction.along("forward", -1),
+    "lateral": Direction.along("lateral", 1),
+    "up": Direction.along("height", 1),
+    "down": Direction.along("height", -1),
+    "twist-right": Direction.along("twist", -1),
+    "lateral-right": Direction.along("lateral", -1),
 }
 
 
@@ -140,7 +150,8 @@ class Search:
         """Ever larger jumps, and what stops more. Raises `NotConverged`: not one is planned."""
         way, missed, step = [self._begun()], Missed(), self.direction.first
         while step and way[-1].steps < self.direction.furthest:
-            found = self._tried(way[-1].steps + step, way[-1])
+            most = min(way[-1].steps + step, self.direction.furthest)
+            found = self._tried(most, way[-1])
             if isinstance(found, Reached):
                 way.append(found)
             else:
@@ -155,7 +166,7 @@ class Search:
         """The furthest of the table's jumps, or the request's own plan."""
         direction = self.direction
         own = direction.steps(getattr(self.jump, direction.field))
-        low, high = getattr(self._task(own, ranged=True).robot.file.task, direction.field)
+        low, high = getattr(self._task(own).robot.file.task, direction.field)
         end = direction.steps(high if direction.sign > 0 else low)
         for steps in dict.fromkeys([*(math.floor(share * end) for share in SHARES), own]):
             found = self._tried(steps) if steps >= own else None
@@ -167,7 +178,7 @@ class Search:
         jump, of = self.direction.of(self.jump, steps), self.drafting
         draft = of.draft(jump, load_robot(jump.robot))
         found = self._refiner.refine(draft, cancelled=of.cancelled, progress=of.progress)
-        reached = self._judged(steps, found)
+        reached = self._judged(steps, found, of.progress)
         if isinstance(reached, Missed):
             why = reached.why or NOT_FOUND
             raise NotConverged(f"no jump to begin from: {why}", found, reason=why)
@@ -179,10 +190,10 @@ class Search:
             task = self._task(steps)
         except InputError as error:  # a foot would have no place to stand
             return Missed(str(error))
-        words = self.direction.in_words(self.direction.value(steps))
-        self._watch.begin(f"trying {words} of {self.direction.field}")
+        progress = self._saying(steps, best)
         for nearby in self._starts(task, best):
-            found = self._judged(steps, self._refiner.beside(task, nearby, self._watch))
+            watch = Watch(self.drafting.cancelled, progress)
+            found = self._judged(steps, self._refiner.beside(task, nearby, watch), progress)
             # From elsewhere mostly the same motion is found.
             if isinstance(found, Reached) or found.found:
                 return found
@@ -195,36 +206,39 @@ class Search:
         if nearby is not None:
             yield nearby
 
-    def _judged(self, steps: int, plan: Plan) -> Reached | Missed:
+    def _saying(self, steps: int, best: Reached | None) -> Progress | None:
+        """Progress that says how far it has come, whatever is done for it."""
+        told, words = self.drafting.progress, self.direction.in_words
+        if told is None:
+            return None
+        line = f"trying {words(self.direction.value(steps))}"
+        if best is not None:
+            line = f"{words(self.direction.value(best.steps))} holds, {line}"
+        return lambda step: told(replace(step, text=line))
+
+    def _judged(self, steps: int, plan: Plan, progress: Progress | None) -> Reached | Missed:
         if not plan.refined:
             return Missed()
         solution, rows = self._refiner.solution, self._refiner.rows
         assert solution is not None
         assert rows is not None
-        held = self._planner.held(plan)
+        held = CertifiedPlanner(cancelled=self.drafting.cancelled, progress=progress).held(plan)
         if held.certified:
             return Reached(steps, held, solution, rows)
         return Missed(_not_held(held), found=True)
 
-    def _task(self, steps: int, *, ranged: bool = False) -> Task:
+    def _task(self, steps: int) -> Task:
         jump, of = self.direction.of(self.jump, steps), self.drafting
         robot = with_payload(load_robot(jump.robot), jump.payload)
-        return make_task(jump, robot, of.weights, of.limits, ranged=ranged)
+        return make_task(jump, robot, of.weights, of.limits)
 
     @cached_property
     def _refiner(self) -> Refiner:
         task = self._task(self.direction.steps(getattr(self.jump, self.direction.field)))
         counts = layout_of(task.jump, task.robot, self.drafting.intervals).intervals
-        self._watch.wait()
-        return self._watch.built(partial(Refiner, task.robot, Grid.at(task.schedule, counts)))
-
-    @property
-    def _planner(self) -> CertifiedPlanner:
-        return CertifiedPlanner(cancelled=self.drafting.cancelled, progress=self.drafting.progress)
-
-    @property
-    def _watch(self) -> Watch:
-        return Watch(self.drafting.cancelled, self.drafting.progress)
+        watch = Watch(self.drafting.cancelled, self.drafting.progress)
+        watch.wait()
+        return watch.built(partial(Refiner, task.robot, Grid.at(task.schedule, counts)))
 
 
 def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:

@@ -159,7 +159,7 @@ def _intervals(name: str, at: Sequence[str]) -> dict[str, Any]:
 
     jump, limits = _at(name, at)
     robot = load_robot(name)
-    make_task(jump, robot, None, limits)  # checks names and ranges
+    make_task(jump, robot, None, limits)  # checks names and amounts
     return {
         "unknown": why_unknown(jump, limits, robot),
         "intervals": {

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 @options.with_jump_options
 def largest_command(
     context: typer.Context,
-    component: Annotated[str, typer.Option(help="twist, forward, backward, lateral, up or down.")],
+    component: Annotated[
+        str,
+        typer.Option(
+            help="twist or lateral (left), twist-right, lateral-right, forward, backward, up, down."
+        ),
+    ],
     requested: Mapping[str, Any],
     design: options.DesignOption = None,
     weight: options.Weights = None,
@@ -27,7 +32,7 @@ def largest_command(
 ) -> int:
     """Find how far, how high or by how much a robot jumps, and the limit that stops more.
 
-    Everything else is as requested; the ranges of the robot's file do not bound the component.
+    Everything else is as requested.
     Each plan begins from the one before, and counts if its certificate holds. It takes seconds to
     minutes. The exit status is 1 where the request itself has no such plan.
     """

@@ -21,8 +21,10 @@ from llsrbm.request.messages import FieldSpec, Number, choices
 from llsrbm.request.tables import read_table
 
 MOST = 5  # landings; of more the solver is too large to build in a minute
-FARTHEST = 5.0  # m, and FARTHEST_TURN rad: beyond any robot, whose range is checked when it plans
-FARTHEST_TURN = 2 * math.pi
+FURTHEST = {"twist": 4 * math.pi, "forward": 3.0, "lateral": 3.0, "height": 3.0}
+"""Most of each component (rad, m), to either side, that may be asked for, so that a slip of units
+keeps no solver busy: nearly twice the most that a robot here was found to do (docs/figures.md).
+"""
 STEEPEST = math.radians(30)  # rad of a surface: beyond it feet slip on most grounds
 SLOPES = ("slope", "cross_slope")
 _TURNS = ("twist", *SLOPES)  # angles: degrees in a route's file
@@ -92,10 +94,9 @@ def _landing(name: str, row: Any) -> Landing:
 
 
 def _amount(name: str, field: str, value: Any) -> float:
-    turns = field in _TURNS
-    most = FARTHEST_TURN if turns else FARTHEST
-    most = STEEPEST if field in SLOPES else most
-    return Number("", "", -most, most, "rad" if turns else "m").checked(f"{name}: {field}", value)
+    most = FURTHEST.get(field, STEEPEST)
+    unit = "rad" if field in _TURNS else "m"
+    return Number("", "", -most, most, unit).checked(f"{name}: {field}", value)
 
 
 def _is_number(value: Any) -> bool:

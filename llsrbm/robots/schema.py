@@ -220,8 +220,9 @@ class Timing(Table):
 
 
 class Task(Table):
-    """Range of requests: twist (rad, positive to the left), displacement (m), landing height (m)
-    above the ground at the start.
+    """Usual requests: twist (rad, positive to the left), displacement (m), landing height (m) above
+    the ground at the start. Tables of solved jumps and random requests are of these ranges, and
+    sliders begin with them; more may be asked for.
     """
 
     twist: Interval

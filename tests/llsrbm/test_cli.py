@@ -36,7 +36,7 @@ class TestBadInput:
             (["plan", "--robot", "nosuch"], "anymal"),
             (["plan", "--model", "nosuch"], "srbm, llsrbm, llsrbm-plus"),
             (["plan", "--solver", "nosuch"], "fatrop"),
-            (["plan", "--twist", "400"], "400 deg is out of range"),
+            (["plan", "--twist", "900"], "900 deg is out of range"),
             (["plan", "--nosuch"], "--nosuch"),
             (["plan", "extra"], "extra"),
             (["export"], "FILE.npz"),

@@ -34,6 +34,7 @@ class Refines:
         return None if self.from_table is None else Iterate("table", jump)
 
     def beside(self, task, nearby, watch):
+        watch.begin("whatever is done for it")
         reachable = self.from_table if nearby.variables == "table" else self.reachable
         self.tried.append((nearby.variables, task.jump))
         return self._plan(task.jump, found=reachable(task.jump))
@@ -104,6 +105,8 @@ def test_what_stops_it_is_what_grew_since_the_first_jump(search):
         ("forward", {"forward": 0.2, "lateral": 0.1}, 0.25),
         ("down", {}, -0.05),
         ("lateral", {"forward": 0.3}, 0.05),
+        ("lateral-right", {"lateral": -0.1}, -0.15),
+        ("twist-right", {"forward": 0.3}, math.radians(-10.0)),
     ],
 )
 def test_it_begins_at_the_request_and_the_rest_stays(search, component, request_, first):
@@ -111,7 +114,7 @@ def test_it_begins_at_the_request_and_the_rest_stays(search, component, request_
     jump = replace(GO2, **request_)
     search(refiner, jump, component)
     name = DIRECTIONS[component].field
-    assert getattr(refiner.tried[0][1], name) == first
+    assert getattr(refiner.tried[0][1], name) == pytest.approx(first)
     assert replace(refiner.tried[0][1], **{name: 0.0}) == replace(jump, **{name: 0.0})
 
 
@@ -135,7 +138,7 @@ def test_where_the_last_jump_leads_nowhere_the_table_is_continued(search):
 
 def test_a_search_ends_where_nothing_stops_it(search):
     found = search(Refines(lambda jump: True), GO2, "twist")
-    assert math.degrees(found.value) == pytest.approx(1440)
+    assert math.degrees(found.value) == pytest.approx(720)
     assert found.limit == NO_LIMIT
     assert not search.edges
 
@@ -155,6 +158,17 @@ def test_a_check_that_does_not_hold_is_what_stops_it(search, monkeypatch):
     assert found.limit == "RR_calf_joint needs 22 rad/s at 0.70 s, it has 20"
 
 
+def test_its_progress_says_how_far_it_has_come(search):
+    told = []
+    refiner = Refines(lambda jump: jump.forward <= 0.06)
+    search(refiner, GO2, "forward", progress=lambda step: told.append(step.text))
+    assert [line for line in dict.fromkeys(told) if "trying" in line][:3] == [
+        "0.00 m holds, trying 0.05 m",
+        "0.05 m holds, trying 0.10 m",
+        "0.05 m holds, trying 0.07 m",
+    ]
+
+
 def test_without_a_plan_to_begin_from_there_is_none(search):
     with pytest.raises(NotConverged, match="no jump to begin from"):
         search(Refines(lambda jump: True, drafts=False), GO2, "forward")
@@ -165,7 +179,7 @@ def test_without_a_plan_to_begin_from_there_is_none(search):
     [
         (GO2, "sideways", 'no component "sideways"'),
         (Jump(robot="go2", type="flip", pitch=-math.tau), "up", "turn over"),
-        (Jump(robot="go2", lateral=2.0), "up", "lateral 2 m is out of range"),
+        (Jump(robot="go2", lateral=4.0), "up", "lateral 4 m is out of range"),
         (Jump(robot="nobody"), "up", "nobody"),
     ],
 )

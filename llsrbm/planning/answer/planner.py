@@ -129,7 +129,7 @@ class Planner:
             progress: called with each attempt and the solver's iterations.
 
         Raises:
-            InputError: the request is out of the robot's range, or `near` is of no use for it.
+            InputError: no robot here comes near to the request, or `near` is of no use for it.
             NotConverged: no attempt satisfied every constraint; carries the last one, and with
                 patience and the default solver the nearest jump and the limits that stop the rest.
             Cancelled: `cancelled` was true.

@@ -16,10 +16,10 @@ from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_l
 from llsrbm.planning.problem.passing import obstacle_of, passing
 from llsrbm.planning.problem.stones import check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
-from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement, JumpType, load_type
 from llsrbm.request.jump_types import names as jump_types
-from llsrbm.request.route import Landing
+from llsrbm.request.route import FURTHEST, Landing
 from llsrbm.request.slopes import gradient, leaning, slopes_of
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
@@ -40,19 +40,17 @@ def make_task(
     robot: Robot,
     weights: Mapping[str, float] | None = None,
     limits: Mapping[str, float] | None = None,
-    *,
-    ranged: bool = True,
 ) -> Task:
     """Check the request and place it in the world.
 
-    `ranged`: refuse what is outside of the ranges of the robot's file.
+    Whether the robot can jump so far is not asked here: a limit of the robot says so, when it is
+    planned.
 
     Raises:
-        InputError: a value outside of the robot file's [task], a weight or a limit that is none, a
-            jump type that is none or not for this robot, a foot where its leg does not reach.
+        InputError: a value beyond `FURTHEST`, a weight or a limit that is none, a jump type that is
+            none or not for this robot, a foot where its leg does not reach.
     """
-    if ranged:
-        _check_ranges(jump, robot)
+    _check_amounts(jump)
     for name in ("speed", "end_speed"):
         value = getattr(jump, name)
         if not 0 <= value <= FASTEST:
@@ -85,23 +83,19 @@ def make_task(
 def task_of(plan: Plan, robot: Robot) -> Task:
     """The task of a plan, under the weights and limits that it was planned under.
 
-    The largest jumps are beyond the ranges of the robot's file.
-
     Raises:
         InputError: see `make_task`.
     """
-    return make_task(plan.jump, robot, plan.tuning.weights, plan.limits, ranged=False)
+    return make_task(plan.jump, robot, plan.tuning.weights, plan.limits)
 
 
-def _check_ranges(jump: Jump, robot: Robot) -> None:
-    ranges = robot.file.for_jump(turns=jump.turns).task
-    for number, place in enumerate(jump.route or (jump,), start=1):
-        for name in COMPONENTS:
-            low, high = getattr(ranges, name)
-            value = getattr(place, name)
-            if not low - 1e-4 <= value <= high + 1e-4:
-                why = _out_of_range(robot.name, name, value, low, high)
-                raise InputError(f"route: landing {number}: {why}" if jump.route else why)
+def _check_amounts(jump: Jump) -> None:
+    for name, most in FURTHEST.items():
+        unit, scale = ("deg", np.degrees(1.0)) if name == "twist" else ("m", 1.0)
+        value = scale * getattr(jump, name)
+        if not abs(value) <= scale * most + 1e-6:
+            ends = f"{-scale * most:g} to {scale * most:g} {unit}"
+            raise InputError(f"{name} {value:g} {unit} is out of range; expected {ends}")
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:
@@ -268,13 +262,6 @@ def _headings(robot: Robot) -> Array:
     ahead = np.array([data.oMf[leg.foot_frame_id].rotation[:, 0] for leg in robot.legs])
     headings: Array = np.arctan2(ahead[:, 1], ahead[:, 0])
     return headings
-
-
-def _out_of_range(robot: str, name: str, value: float, low: float, high: float) -> str:
-    if name != "twist":
-        return f"{name} {value:g} m is out of range; {robot} takes {low:g} to {high:g} m"
-    low, high, value = (np.degrees(v) for v in (low, high, value))
-    return f"twist {value:g} deg is out of range; {robot} takes {low:.0f} to {high:.0f} deg"
 
 
 def describe(jump: Jump) -> str:

@@ -82,7 +82,7 @@ def test_where_there_is_none_the_exit_status_is_1(searched, capfd):
         ("--robot go2", "Missing option '--component'"),
         ("--robot go2 --component far", 'no component "far"'),
         ("--robot go2 --component up --type flip", "turn over"),
-        ("--robot go2 --component up --twist 400", "twist 400 deg is out of range"),
+        ("--robot go2 --component up --twist 900", "twist 900 deg is out of range"),
     ],
 )
 def test_bad_input_is_one_line(capfd, words, message):

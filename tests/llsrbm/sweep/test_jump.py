@@ -23,7 +23,7 @@ patient = false
 trajectories = true
 [axes]
 lateral = [0.2]
-height = [0.1, 0.9]
+height = [0.1, 9.0]
 [limits]
 torque_share = [0.3, 0.85]
 [simulate]
@@ -60,9 +60,9 @@ def test_a_row_says_what_became_of_its_jump(spec, forth):
     assert 0 < planned["torque_share"] < 1.1
     assert planned["torque_share"] == max(dict(planned["joint_torque_ratio"]).values())
     assert 0 <= planned["friction_margin"] < 0.5
-    refused = by_request[0.85, 0.9]
+    refused = by_request[0.85, 9.0]
     assert refused["status"] == "refused"
-    assert "height 0.9 m is out of range" in refused["message"]
+    assert "height 9 m is out of range" in refused["message"]
     assert refused["duration_s"] is refused["landed"] is None
     weak = by_request[0.3, 0.1]
     assert weak["status"] == "not planned"

@@ -46,7 +46,7 @@ def test_the_goal_quaternion_never_jumps(twist, step):
 
 
 def test_twists_beyond_half_a_turn_go_the_long_way():
-    quat = make_task(Jump(twist=4.0), ROBOT, ranged=False).goal_quat
+    quat = make_task(Jump(twist=4.0), ROBOT).goal_quat
     np.testing.assert_allclose(quat, [np.cos(2.0), 0, 0, np.sin(2.0)])
     assert quat[0] < 0
 
@@ -54,17 +54,23 @@ def test_twists_beyond_half_a_turn_go_the_long_way():
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
-        ({"twist": np.radians(200)}, "twist 200 deg is out of range; anymal takes -180 to 180 deg"),
-        ({"twist": -4.0}, "twist -229.183 deg is out of range; anymal takes -180 to 180 deg"),
-        ({"forward": 0.7}, "forward 0.7 m is out of range; anymal takes -0.3 to 0.6 m"),
-        ({"lateral": -0.31}, "lateral -0.31 m is out of range; anymal takes -0.3 to 0.3 m"),
-        ({"height": 1.0}, "height 1 m is out of range; anymal takes -0.2 to 0.3 m"),
+        ({"twist": np.radians(800)}, "twist 800 deg is out of range; expected -720 to 720 deg"),
+        ({"twist": -13.0}, "twist -744.845 deg is out of range; expected -720 to 720 deg"),
+        ({"forward": 50.0}, "forward 50 m is out of range; expected -3 to 3 m"),
+        ({"lateral": -3.1}, "lateral -3.1 m is out of range; expected -3 to 3 m"),
+        ({"height": 4.0}, "height 4 m is out of range; expected -3 to 3 m"),
     ],
 )
-def test_out_of_range(request_, message):
+def test_a_slip_of_units_is_refused(request_, message):
     with pytest.raises(InputError) as caught:
         make_task(Jump(**request_), ROBOT)
     assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_what_the_robots_file_does_not_usually_ask_for_may_be_asked_for(name):
+    beyond = 2 * getattr(ASKED, name)[1]
+    assert getattr(make_task(Jump(**{name: beyond}), ROBOT).jump, name) == beyond
 
 
 def test_weights_replace_the_defaults():
