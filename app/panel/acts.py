@@ -23,10 +23,21 @@ class Button:
     icon: IconName | None = None  # in place of the label, which remains its name
 
 
+_HOW_FAR = (
+    " towards the slider's side, the other values as they are, and the limit that stops more; this "
+    "takes minutes"
+)
+
+
 class Act(Enum):
     """An act: a button, or the name of a group of controls that was moved."""
 
     NEAREST = Button("verdict", "Use nearest", "Replace the request by this feasible jump")
+    FAR_TWIST = Button("far twist", "How far?", "Find the largest twist" + _HOW_FAR)
+    FAR_FORWARD = Button("far forward", "How far?", "Find the longest jump" + _HOW_FAR)
+    FAR_LATERAL = Button("far lateral", "How far?", "Find the widest jump" + _HOW_FAR)
+    FAR_HEIGHT = Button("far height", "How far?", "Find the highest landing" + _HOW_FAR)
+    USE_LARGEST = Button("far", "Use largest", "Replace the request by this jump")
     SIMULATE = Button("main", "Simulate", "Simulate the whole robot following the plan in MuJoCo")
     CANCEL = Button("main", "Cancel", "Stop the computation")
     CHOOSE_EXPORT = Button(
@@ -113,6 +124,14 @@ class Act(Enum):
     PLOTS = "plots"
     PLOT_AREA = "plot area"
 
+
+HOW_FAR = {
+    "twist": Act.FAR_TWIST,
+    "forward": Act.FAR_FORWARD,
+    "lateral": Act.FAR_LATERAL,
+    "height": Act.FAR_HEIGHT,
+}
+"""The buttons that search along a slider, by fields of a request."""
 
 Put = Callable[[Act], None]  # Takes an act on viser's event loop; must return at once
 

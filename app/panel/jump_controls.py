@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import viser
 
 from app.panel import type_picture
-from app.panel.acts import Act, Put
+from app.panel.acts import HOW_FAR, Act, Buttons, Put, add_buttons
 from app.panel.fields import Ends, Field, Fields, switch
 from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
@@ -32,6 +32,7 @@ from llsrbm.request.jump_types import JumpType
 from llsrbm.request.route import MOST
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.payload import HEAVIEST
+from llsrbm.robots.schema import Task
 
 _UNKNOWN_HEAVIEST = 1.0  # kg, until the robot is there
 _FASTEST = 1.0  # m/s at the start and the end: a quick walk of a small robot
@@ -41,14 +42,14 @@ _DEG = 180 / math.pi
 def _slider(
     label: str, hint: str, name: str, step: float, ends: Ends | None = None, scale: float = 1.0
 ) -> Field[Jump]:
-    """A slider; without `ends` it has those of the robot's task, in every type of jump.
+    """A slider; without `ends` it has those of the robot's range, in every type of jump.
 
     `step` and `ends` are in display units, of which `scale` are an SI unit.
     """
 
     def of_task(about: About) -> Ends:
         """Rounded inwards to whole steps (180.0004 deg is 180)."""
-        low, high = (scale * end / step for end in getattr(about.file.task, name))
+        low, high = (scale * end / step for end in getattr(about.task, name))
         slack = 1e-6  # -0.3 / 0.01 is -29.999999999999996
         low, high = math.ceil(low - slack) * step, math.floor(high + slack) * step
         return round(low, 6), round(high, 6)
@@ -133,6 +134,7 @@ class About(NamedTuple):
     """A robot, on which the ranges and menus of a request depend."""
 
     file: RobotFile  # of its robot, for such a jump
+    task: Task  # ends of the sliders
     types: Mapping[str, JumpType]  # that the robot can do
     heaviest: float  # kg that it can carry
 
@@ -149,12 +151,18 @@ class JumpControls:
         self._heaviest = _UNKNOWN_HEAVIEST
         self._drawn_of: tuple[Any, ...] = ()  # robot and request, as far as the picture shows them
         self._gui, self._acted = gui, acted
+        self._task = robots[jump.robot].for_jump(turns=jump.turns).task
         *self._menus, self._model = _menus(robots)
         self._fields = Fields(gui, jump, self._about(jump), acted, Act.JUMP)
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
         self.footholds = FootholdControls(gui, jump, acted)
-        self._fields.add(TURN, *SLIDERS)
+        self._fields.add(TURN)
+        self.buttons: Buttons = {}  # each beside the slider that follows it
+        for field in SLIDERS:
+            for name in (name for name, own in TINTED.items() if own is field):
+                self.buttons |= add_buttons(gui, HOW_FAR[name].value.place, acted)
+            self._fields.add(field)
 
     def add_model(self) -> None:
         """Add the model's menu to the container that is open."""
@@ -200,8 +208,18 @@ class JumpControls:
         jump, others = self.footholds.read(jump)
         return jump, [*complaints, *others]
 
-    def show(self, jump: Jump, robot: Robot | None) -> None:
-        """Put the controls where a request has them; the types and the picture, of its robot."""
+    @property
+    def how_far(self) -> list[tuple[str, str]]:
+        """Uuid of each button that searches along a slider, and what that is called."""
+        names = {act: TINTED[name].label.partition(" [")[0] for name, act in HOW_FAR.items()}
+        return [(uuid_of(button), names[act]) for act, button in self.buttons.items()]
+
+    def show(self, jump: Jump, robot: Robot | None, ends: Task) -> None:
+        """Put the controls where a request has them; the types and the picture, of its robot.
+
+        `ends`: of the sliders.
+        """
+        self._task = ends
         if robot is not None and robot is not self._types_of:
             self._types_of, self._types = robot, types_offered(robot)
             self._heaviest = round(HEAVIEST * robot.mass - 0.05, 1)  # never beyond
@@ -214,7 +232,7 @@ class JumpControls:
 
     def _about(self, jump: Jump) -> About:
         file = self._robots[jump.robot].for_jump(turns=jump.turns)
-        return About(file, self._types, self._heaviest)
+        return About(file, self._task, self._types, self._heaviest)
 
 
 TURN: Field[Jump] = Field(

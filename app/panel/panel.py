@@ -6,6 +6,8 @@ it is read and drawn by the session's thread.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from html import escape
+from typing import Any
 
 import viser
 
@@ -62,6 +64,8 @@ class Panel:
         self.buttons |= add_buttons(gui, "help", put)
         self.buttons |= add_buttons(gui, "history", put)
         self.jump = JumpControls(gui, design.jump, robots, put)
+        self._far = gui.add_html("", visible=False)
+        self.buttons |= add_buttons(gui, "far", put)
         self._status = gui.add_html("")
         self.buttons |= add_buttons(gui, "verdict", put)
         self.jump.add_model()
@@ -73,7 +77,8 @@ class Panel:
         self.files.add_export()
         with gui.add_folder("Details", expand_by_default=False):
             self._add_details(gui, view, plots, sweeps, put)
-        for group in (self.files, self.scenario, self.comparison, self.plots, self.tuning):
+        groups = (self.jump, self.files, self.scenario, self.comparison, self.plots, self.tuning)
+        for group in groups:
             self.buttons |= group.buttons
 
     def _add_details(
@@ -107,7 +112,7 @@ class Panel:
                 self.atlas = AtlasControls(gui, sweeps, put)
 
     @property
-    def arrangement(self) -> dict[str, str | list[str]]:
+    def arrangement(self) -> dict[str, Any]:
         """Uuids of the controls that stand in rows (static/panel.js)."""
         robot, kind, arms = map(uuid_of, self.jump.menus)
         icons = [self.buttons[act] for act in (Act.SHARE, Act.HELP, Act.UNDO, Act.REDO)]
@@ -116,6 +121,8 @@ class Panel:
             "icons": [uuid_of(button) for button in (*icons, self.files.open)],
             "undo": uuid_of(self.buttons[Act.UNDO]),
             "redo": uuid_of(self.buttons[Act.REDO]),
+            "far": self.jump.how_far,
+            "largest": uuid_of(self.buttons[Act.USE_LARGEST]),
             "nearest": uuid_of(self.buttons[Act.NEAREST]),
             "format": uuid_of(self.files.format),
             "save": uuid_of(self.buttons[Act.EXPORT]),
@@ -147,6 +154,13 @@ class Panel:
     def show_status(self, status: Status) -> None:
         """The verdict, or the progress with a bar."""
         self._status.content = status.html
+
+    def show_far(self, sentence: str, *, busy: bool, old: bool) -> None:
+        """How far the robot jumps, or how far the search for it has come; "": nobody has asked."""
+        kind = f"llsrbm-far{' busy' if busy else ''}{' old' if old else ''}"
+        words = f'<p class="{kind}" aria-live="polite">{escape(sentence)}</p>'
+        self._far.content = words if sentence else ""
+        self._far.visible = bool(sentence)
 
     def show_certificate(self, certificate: Certificate | None, of: str, note: str) -> None:
         """Findings of what is shown (`of`: in words), or a note in their place."""

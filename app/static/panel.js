@@ -110,6 +110,11 @@
     ${PAIRS} > :has(> .mantine-Button-root) { grid-column: auto; }
     ${PAIRS} .mantine-Button-root { padding-inline: 2px; }
 
+    .llsrbm-far { margin: 0 0 4px; padding: 2px 8px; font-size: 13px; line-height: 1.35;
+      border-left: 4px solid #2f9e62; overflow-wrap: anywhere; }
+    .llsrbm-far.busy { border-color: #d08a1d; }
+    .llsrbm-far.old { border-color: #8a94a0; color: var(--mantine-color-dimmed); }
+
     /* The verdict grows with what it says; what is usual leaves what stands below where it is. */
     .llsrbm-status > [role=status] { min-height: ${VERDICT}; margin: 0.3rem 0; box-sizing: border-box;
       padding: 0.1rem 0 0.1rem 0.7rem; font-size: 13px; line-height: 1.4;
@@ -185,9 +190,12 @@
 
   // `examples`, `icons`: the first row; `menus`: robot, type and, while it is there, arms, in one row, each below
   // its label; `model`: its menu, and what compares models; `nearest`: lies on the verdict before it,
-  // at the lower right; `main`: to be pressed;
+  // at the lower right; `far`: each beside the number of the slider below it, with its name; `largest`:
+  // beside the sentence on what they found; `main`: to be pressed;
   // `cancel` beside it, while there is something to cancel; `choose`, `format`, `save`: in one row.
-  function arrangement({ examples, icons, choose, format, save, menus, model, nearest, main, cancel }) {
+  function arrangement(controls) {
+    const { examples, icons, choose, format, save, menus, model, nearest, main, cancel } = controls;
+    const far = controls.far.map(([uuid]) => uuid), { largest } = controls;
     const [robot, type, arms] = menus, armed = `${MAIN}:has([id$="${arms}"])`;
     const field = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > ${FIELD}`;
     const flex = (uuid) => `:is(${row(uuid)}, ${row(uuid)} > div) > .mantine-Flex-root`;
@@ -217,6 +225,12 @@
       ${button(nearest)} { position: absolute; right: 0; bottom: 0.7rem; width: auto; height: 1.7rem;
         border-color: #d08a1d; }
       ${MAIN}:has([id="${nearest}"]) .llsrbm-status > [role=status] { padding-bottom: 2.1rem; }
+      ${far.map(row).join()} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
+      :is(${far.map(button).join()}) { position: absolute; right: 4.8rem; top: 0; width: auto;
+        height: 1.6rem; font-size: 12px; padding-inline: 7px; }
+      ${row(largest)} { grid-column: span 6; align-self: center; }
+      ${button(largest)} { padding-inline: 2px; border-color: #2f9e62; }
+      ${MAIN}:has([id="${largest}"]) > :has(.llsrbm-far) { grid-column: span 14; }
       ${row(cancel)} { grid-column: span 6; }
       ${MAIN}:has([id="${cancel}"]) > :has([id$="${main}"]) { grid-column: span 14; }
       ${button(main)}, ${button(main)}:not([data-disabled]):hover {
@@ -250,9 +264,19 @@
   const arranged = window.llsrbm.element("style"), tinted = window.llsrbm.element("style");
   window.llsrbm.addToPage(STYLE, arranged, tinted);
 
+  // Buttons that read alike have a name each. viser makes its elements anew now and then.
+  let alike = [];
+  function name() {
+    for (const [uuid, of] of alike)
+      document.getElementById(uuid)?.setAttribute("aria-label", `How far? ${of}`);
+  }
+  window.llsrbm.layout.onChange(name);
+
   window.llsrbm.panel = {
     arrange(controls) {
       arranged.textContent = arrangement(controls);
+      alike = controls.far;
+      name();
       ({ undo: undoing, redo: redoing } = controls);
     },
     setShortcuts: (on) => (window.llsrbm.shortcuts = on),

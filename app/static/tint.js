@@ -1,12 +1,12 @@
 // The sliders' tracks: solid where the jump can be planned with the other values as they are, dashes
-// where not. The server says which slider and how likely (app/tab/planning/feasible.py); dashes need
+// where not, plain where nothing is known. The server says which slider and how likely (app/tab/planning/feasible.py); dashes need
 // no colour.
 (() => {
   const TINTED = "data-llsrbm-tinted", TINT = "--llsrbm-tint";
   const DASHES = "repeating-linear-gradient(90deg, var(--llsrbm-cannot) 0 2px, transparent 2px 6px)";
   window.llsrbm.addToPage(`
-    :root { --llsrbm-can: #3a86c8; --llsrbm-cannot: #8b9199; --llsrbm-range: #1f65a3; }
-    :root[data-mantine-color-scheme=dark] { --llsrbm-can: #5aa2e0; --llsrbm-cannot: #8b939e;
+    :root { --llsrbm-unknown: var(--mantine-color-gray-3); --llsrbm-can: #3a86c8; --llsrbm-cannot: #8b9199; --llsrbm-range: #1f65a3; }
+    :root[data-mantine-color-scheme=dark] { --llsrbm-unknown: var(--mantine-color-dark-4); --llsrbm-can: #5aa2e0; --llsrbm-cannot: #8b939e;
       --llsrbm-range: #7fb9ec; }
     /* Between the slider's limits. */
     [data-llsrbm-range]::after { content: attr(data-llsrbm-range); position: absolute; left: 3.2em;
@@ -22,7 +22,9 @@
     return chances.flatMap((chance, k) => {
       if (k > 0 && chances[k - 1] === chance && chances[k + 1] === chance) return [];
       const place = (100 * k) / (chances.length - 1);
-      return `color-mix(in srgb, var(--llsrbm-can) ${chance}%, transparent) ${place.toFixed(1)}%`;
+      const colour = chance === null ? "var(--llsrbm-unknown)"
+        : `color-mix(in srgb, var(--llsrbm-can) ${chance}%, transparent)`;
+      return `${colour} ${place.toFixed(1)}%`;
     }).join();
   }
 

@@ -16,7 +16,7 @@ from app.tab import (
     shaping,
     simulating,
 )
-from app.tab.planning import answers, refining, requests, robot
+from app.tab.planning import answers, largest, refining, requests, robot
 from app.tab.start import opening, preferences
 
 __all__ = [
@@ -27,6 +27,7 @@ __all__ = [
     "design",
     "files",
     "inspection",
+    "largest",
     "opening",
     "plotting",
     "preferences",

@@ -24,6 +24,7 @@ from app.tab.effects import (
     SetPlayback,
     Submit,
 )
+from app.tab.how_far import CHANGED
 from app.tab.state import TabState
 from app.workers.reports import Partial
 from app.workers.tasks import PlanJump, Task
@@ -94,7 +95,8 @@ def event_of(act: Act, state: TabState, panel: Panel) -> Any:
 
 def update(state: TabState, event: Any) -> Step:
     """A tab's state after an event, and what has to be done outside of it."""
-    return _paced(state, _freed(state, _updated(state, event)))
+    after, effects = _paced(state, _freed(state, _updated(state, event)))
+    return after.reaching(after.design.jump), effects
 
 
 def _updated(state: TabState, event: Any) -> Step:
@@ -132,11 +134,16 @@ def is_visible(act: Act, state: TabState) -> bool:
 
 
 def _freed(before: TabState, step: Step) -> Step:
-    """A step after which the pool does not go on with a comparison that is closed."""
+    """A step after which the pool goes on with no comparison that is closed, and does not look for
+    the largest jump beside a request that has changed.
+    """
     state, effects = step
-    if before.comparing is None or before.comparing.done or state.comparing is not None:
-        return step
-    return state, (Forget(Queue.COMPARE), *effects)
+    if before.comparing is not None and not before.comparing.done and state.comparing is None:
+        effects = (Forget(Queue.COMPARE), *effects)
+    if state.far is not None and state.far.running and not state.far.is_of(state.design):
+        state = replace(state, far=replace(state.far, ticket=0, why_not=CHANGED))
+        effects = (Forget(Queue.LARGEST), *effects)
+    return state, effects
 
 
 def _paced(before: TabState, step: Step) -> Step:

@@ -67,7 +67,7 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
 @on(LandingDragged)
 def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
     """Plan a jump to where the landing handle was dragged."""
-    return choose_jump(state, dragged.applied_to(state.design.jump, state.file.task))
+    return choose_jump(state, dragged.applied_to(state.design.jump, state.ends))
 
 
 @on(FootholdDragged)

@@ -35,6 +35,7 @@ class Queue(Enum):
     SAVE = "save"
     CHECK = "check"
     COMPARE = "compare"
+    LARGEST = "largest"
 
 
 MOST_LANES = 4

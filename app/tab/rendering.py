@@ -126,7 +126,11 @@ class Rendering:
             button.disabled = not is_enabled(act, state)
             button.visible = is_visible(act, state)
         robot = state.robot if state.ready else None
-        panel.jump.show(design.jump, robot)
+        panel.jump.show(design.jump, robot, state.ends)
+        far = state.far
+        sentence = "" if far is None else far.sentence(design)
+        old = far is not None and not far.answers(design)
+        panel.show_far(sentence, busy=far is not None and far.running, old=old)
         panel.jump.whole_body.show(state.whole_body, None)
         panel.scenario.fields.show(design.scenario, state.file)
         panel.scenario.automatic.show(state.automatic, None)

@@ -7,6 +7,7 @@ connection ends (`app.tab.tabs`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -22,6 +23,7 @@ from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice, of_jump
 from app.tab.contenders import Comparing
+from app.tab.how_far import HowFar
 from app.tab.planning.dragging import DragPlanning
 from app.tab.shown import Given, Shown
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
@@ -32,10 +34,13 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.planning.whole_body.feasible import Feasible
 from llsrbm.request.design import Design
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import STEPS, Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot, RobotFile
+from llsrbm.robots.schema import Task as Ends
+
+_SLACK = 1e-6  # of a step: 0.3 / 0.01 is 29.999999999999996
 
 QUICK = 2.0
 """s; a simulation that takes no longer is begun after every change, unless that is switched off."""
@@ -175,6 +180,11 @@ class TabState:
     beside: bool = False  # their robots stand beside the one that is shown, else where they are
     # the jump made in several ways, in place of the motion that is shown; None: it is not compared
     comparing: Comparing | None = None
+    # how far the robot jumps in one direction, as far as it is known; None: nobody has asked
+    far: HowFar | None = None
+    # robot name -> least and most of each component that was asked for, or found, beyond its file's
+    # range
+    reach: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
     playback: Playback = field(default_factory=Playback)  # playback, view, plots: how it is shown
     view: View = field(default_factory=View)
     dark: bool = False  # the visitor's system is
@@ -246,6 +256,13 @@ class TabState:
         return replace(self.export, simulated=self.rollout is not None, robot=robot)
 
     @property
+    def ends(self) -> Ends:
+        """Ends of the sliders: the usual ones, and whatever beyond was asked for or found."""
+        own, reach = self.file.task, self.reach.get(self.design.jump.robot, {})
+        ends = {name: (*getattr(own, name), *beyond) for name, beyond in reach.items()}
+        return own.model_copy(update={name: (min(v), max(v)) for name, v in ends.items()})
+
+    @property
     def ready(self) -> bool:
         """Whether the design's robot is drawn, so that its jumps can be planned and shown."""
         return self.robot is not None and self.robot.name == self.design.jump.robot
@@ -307,6 +324,20 @@ class TabState:
             old |= before.verdict in (Verdict.LANDED, Verdict.FELL)
             status = replace(status, figures=before.figures, old=old)
         return replace(self, status=status)
+
+    def reaching(self, jump: Jump) -> TabState:
+        """With sliders that reach to a jump, in whole steps."""
+        usual = self.robots[jump.robot].for_jump(turns=jump.turns).task
+        reach = {**self.reach.get(jump.robot, {})}
+        for name, step in STEPS.items():
+            value, ends = getattr(jump, name) / step, (*getattr(usual, name), *reach.get(name, ()))
+            low, high = math.floor(value + _SLACK) * step, math.ceil(value - _SLACK) * step
+            if low < min(ends) - _SLACK * step or high > max(ends) + _SLACK * step:
+                own = (low, high, *reach.get(name, ()))
+                reach[name] = round(min(own), 9), round(max(own), 9)
+        if reach == self.reach.get(jump.robot, {}):
+            return self
+        return replace(self, reach={**self.reach, jump.robot: reach})
 
     def forgetting(self) -> TabState:
         """With no request on its way: the same one counts as a new one."""

@@ -12,6 +12,7 @@ from app.panel.status import SeedResult
 from app.workers.opened_file import OpenedFile
 from llsrbm.arrays import Array
 from llsrbm.certificate import Certificate
+from llsrbm.largest_jump import Largest
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.request.jump import Jump
@@ -91,6 +92,14 @@ class Refused:
     nearest: Plan | None = None  # None: none is known
 
 
+@dataclass(frozen=True, eq=False)
+class FoundLargest:
+    """The largest jump in one direction was found."""
+
+    job: int
+    largest: Largest
+
+
 @dataclass(frozen=True)
 class Simulated:
     """A plan was followed; whether the robot stands at the end is in the outcome."""
@@ -154,6 +163,7 @@ Outcome = (
     Prepared
     | Planned
     | Refused
+    | FoundLargest
     | Simulated
     | SimulatedSeeds
     | Opened

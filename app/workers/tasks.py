@@ -18,6 +18,7 @@ from typing import Any, ClassVar
 from app.workers.reports import (
     Checked,
     Exported,
+    FoundLargest,
     Opened,
     Outcome,
     Planned,
@@ -53,6 +54,7 @@ class Kind(Enum):
     READ = "read"
     CHECK = "check"
     COMPARE = "compare"
+    LARGEST = "largest"
 
     @property
     def long(self) -> bool:
@@ -62,7 +64,7 @@ class Kind(Enum):
     @property
     def gives_way(self) -> bool:
         """Whether it is stopped at once when its tab requests something newer."""
-        return self in (Kind.REFINE, Kind.SIMULATE, Kind.EXPORT, Kind.CHECK, Kind.COMPARE)
+        return self not in (Kind.PLAN, Kind.QUICK_EXPORT, Kind.READ)
 
 
 class Task(ABC):
@@ -146,6 +148,26 @@ class RefinePlan(Task):
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         return Planned(talk.job, planner.refine(self, talk.progress, talk.cancelled))
+
+
+@dataclass(frozen=True)
+class FindLargest(Task):
+    """Look for the largest jump in one direction."""
+
+    jump: Jump  # the request
+    tuning: Tuning  # weights and limits in place of the robot's own
+    towards: str  # a name of `llsrbm.largest_jump.DIRECTIONS`
+    kind = Kind.LARGEST
+
+    @property
+    def needs(self) -> Hashable:
+        return "whole body", *solver_of(self.jump)
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        try:
+            return FoundLargest(talk.job, planner.largest(self, talk.progress, talk.cancelled))
+        except NotConverged as error:
+            return Refused(talk.job, self.jump, error.reason or str(error), error.plan)
 
 
 @dataclass(frozen=True, eq=False)

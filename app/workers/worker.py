@@ -6,6 +6,7 @@ import logging
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ from llsrbm.request.jump import Jump
 
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate
+    from llsrbm.largest_jump import Largest
 
 _log = logging.getLogger(__name__)
 
@@ -91,21 +93,28 @@ class LibraryPlanner:
         """The whole body's plan from a draft or of less; that draft where none was found."""
         from llsrbm.certified_nearest import plan_or_nearest
         from llsrbm.certified_plan import CertifiedPlanner
-        from llsrbm.look.titles import title_of_robot
 
-        solver = tasks.solver_of(task.plan.jump)
-        if solver not in self._refined:
-            progress(
-                f"building the whole-body solver of {title_of_robot(task.plan.jump.robot)}: some "
-                "seconds, the first time",
-                lasts=_BUILDING,
-            )
-            self._refined.add(solver)
+        self._announce_whole_body(task.plan.jump, progress)
         planner = CertifiedPlanner(
             progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
         return plan_or_nearest(planner, task.plan, task.wanted)
+
+    def largest(
+        self, task: tasks.FindLargest, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Largest:
+        """The largest jump in one direction, without those on the way to it."""
+        self._announce_whole_body(task.jump, progress)
+        found = llsrbm.largest(
+            task.jump,
+            task.towards,
+            weights=task.tuning.weights,
+            limits=task.tuning.limits,
+            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
+            cancelled=cancelled,
+        )
+        return replace(found, smaller=())
 
     def simulate(
         self,
@@ -171,6 +180,18 @@ class LibraryPlanner:
             return
         self._spare.add(solver)
         spare_solvers.build(task.jump)
+
+    def _announce_whole_body(self, jump: Jump, progress: ProgressListener) -> None:
+        from llsrbm.look.titles import title_of_robot
+
+        solver = tasks.solver_of(jump)
+        if solver not in self._refined:
+            progress(
+                f"building the whole-body solver of {title_of_robot(jump.robot)}: some seconds, "
+                "the first time",
+                lasts=_BUILDING,
+            )
+            self._refined.add(solver)
 
     def _announce(self, task: tasks.PlanJump, progress: ProgressListener) -> None:
         from llsrbm.planning.answer.planner import is_planner_built

@@ -15,6 +15,7 @@ from app.workers.worker import exported
 from llsrbm import errors
 from llsrbm.certificate import Certificate, Finding
 from llsrbm.errors import InputError
+from llsrbm.largest_jump import DIRECTIONS, Largest
 from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
@@ -22,7 +23,7 @@ from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.app.synthetic_replans import with_replans
 from tests.llsrbm.synthetic_rollout import followed, synthetic_rollout
 
-SLOW = math.radians(51)  # works one second, asks whether to stop
+SLOW = math.radians(51)  # works one second (a search: a minute), asks whether to stop
 STUBBORN = math.radians(52)  # works for a minute and never asks
 CRASH = math.radians(53)  # the process dies
 DEFECT = math.radians(54)  # an exception that is no llsrbm.Error
@@ -40,6 +41,8 @@ TRIPPING = 55  # the robot falls before it has left the ground
 
 SLOW_PAD = 9.9  # s before and after, of an export that takes a minute and never asks
 
+
+STOPS_MORE = "RH_KFE is at its limit of 30.1 rad/s at lift-off"
 
 CERTIFICATE = Certificate(
     (
@@ -98,6 +101,15 @@ class SyntheticPlanner:
     def refine(self, task, progress, cancelled):
         progress("refining", iteration=3, residual=0.1)
         return refined_plan(task.plan)
+
+    def largest(self, task, progress, cancelled):
+        """70 cm, or degrees, of anything."""
+        progress("0.65 m holds, trying 0.70 m")
+        if is_(task.jump, SLOW):
+            work(60.0, cancelled)
+        direction = DIRECTIONS[task.towards]
+        plan = refined_plan(synthetic_plan(direction.of(task.jump, 70)))
+        return Largest(task.towards, direction.value(70), direction.unit, STOPS_MORE, plan)
 
     def simulate(self, task, progress, so_far, cancelled):
         seed = task.scenario.seed

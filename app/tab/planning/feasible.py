@@ -13,14 +13,15 @@ import numpy as np
 from app.link import PageLink
 from app.panel.jump_controls import TINTED
 from app.tab.state import TabState
-from app.workers.reports import Planned, Refused, Report
-from app.workers.tasks import PlanJump, RefinePlan, Task
+from app.workers.reports import FoundLargest, Planned, Refused, Report
+from app.workers.tasks import FindLargest, PlanJump, RefinePlan, Task
 from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
 from llsrbm.number_text import short
 from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
+_SLACK = 1e-6  # of a range: ends that are the same in other units differ in their last bits
 LIKELY = 1.0  # score: odds of nearly three to one
 
 
@@ -52,6 +53,8 @@ def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
     match task, report:
         case RefinePlan(plan=draft, wanted=wanted), Planned(plan=plan):
             return draft.tuning, {wanted: False} | ({plan.jump: True} if plan.certified else {})
+        case FindLargest(), FoundLargest(largest=found):
+            return task.tuning, {found.plan.jump: True}
         case PlanJump(jump=jump, patient=True), Refused():
             return task.tuning, {jump: False}
     return Tuning(), {}
@@ -75,18 +78,21 @@ class Tint:
             design.tuning.limits,
             state.robot,
             state.feasible.get(state.robot.name),
+            state.ends,
         )
         if made_of == self._made_of:
             return
         self._made_of = made_of
-        jump, limits, robot, feasible = made_of
+        jump, limits, robot, feasible, ends = made_of
         found, why = tracks(jump, limits, robot, feasible), why_unknown(jump, limits, robot)
         self._link.call(
             "tint.show",
             {
                 uuid: {
-                    "chances": chances(found[name]) if name in found else [],
-                    "text": in_words(name, jump, found[name]) if name in found else unknown(why),
+                    "chances": chances(found[name], getattr(ends, name)) if name in found else [],
+                    "text": in_words(name, jump, found[name], getattr(ends, name))
+                    if name in found
+                    else unknown(why),
                     "range": "  ".join(_ranges(name, jump, found[name])) if name in found else "",
                 }
                 for name, uuid in self._sliders.items()
@@ -94,9 +100,14 @@ class Tint:
         )
 
 
-def chances(track: Track) -> list[int]:
-    """In per cent."""
-    return np.round(100 / (1 + np.exp(-track.scores.clip(-30, 30)))).astype(int).tolist()
+def chances(track: Track, ends: tuple[float, float]) -> list[int | None]:
+    """In per cent, evenly over a slider with these ends; None beyond what is known."""
+    values, known = np.linspace(*ends, len(track.values)), track.values
+    scores = np.interp(values, known, track.scores).clip(-30, 30)
+    shares = np.round(100 / (1 + np.exp(-scores))).astype(int).tolist()
+    slack = _SLACK * (known[-1] - known[0])
+    inside = (values >= known[0] - slack) & (values <= known[-1] + slack)
+    return [share if there else None for share, there in zip(shares, inside, strict=True)]
 
 
 def unknown(why: str) -> str:
@@ -104,10 +115,10 @@ def unknown(why: str) -> str:
     return f"Which values can be planned is not known {why}"
 
 
-def in_words(name: str, jump: Jump, track: Track) -> str:
-    """The sentence on a slider, in its units."""
-    ends = track.values[0], track.values[-1]
-    if track.intervals == (ends,):
+def in_words(name: str, jump: Jump, track: Track, ends: tuple[float, float]) -> str:
+    """The sentence on a slider with these ends, in its units."""
+    known = track.values[0], track.values[-1]
+    if track.intervals == (known,) and None not in chances(track, ends):
         return "Can be planned over the whole slider, with the other values as they are"
     parts = _ranges(name, jump, track)
     if not parts:

@@ -106,15 +106,19 @@ def settle(state: TabState) -> Step:
     return joined((Keep(state.design),), follow(state))
 
 
-@on(Act.CANCEL, visible=lambda state: state.status.busy)
+def _searches(state: TabState) -> bool:
+    return state.far is not None and state.far.running
+
+
+@on(Act.CANCEL, visible=lambda state: state.status.busy or _searches(state))
 def cancel(state: TabState) -> Step:
     """Give up what is being computed; of a request that rests, planning it from scratch."""
-    work = state.work
+    work, searches = state.work, _searches(state)
     state = state.without_sequel()
     if work.awaited is None and work.dragging.rests:
         state = state.forgetting()
         state = state.with_status(Verdict.CANCELLED, PLAN_AGAIN)
-    return state, (Stop(Queue.MOTION),)
+    return state, (Stop(Queue.MOTION), *([Stop(Queue.LARGEST)] if searches else []))
 
 
 @on(Act.NEAREST, visible=lambda state: state.shown is not None and state.shown.wanted is not None)

@@ -68,7 +68,7 @@ def draw_robot(state: TabState, event: RobotLoaded) -> Step:
     if state.robot is event.robot:
         return replace(state, prepared=event.prepared or state.prepared), ()
     state = replace(state.forgetting(), robot=event.robot, prepared=event.prepared)
-    state = replace(state, shown=None, seeds=None)
+    state = replace(state, shown=None, seeds=None, far=None)
     if event.prepared:
         return state, ()
     return submit_beside(state, Queue.ROBOT, tasks.Prepare(event.robot.name))

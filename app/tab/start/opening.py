@@ -10,6 +10,7 @@ from app.tab.comparing import go_on
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
 from app.tab.inspection import begin_check
 from app.tab.planning.dragging import REST
+from app.tab.planning.largest import search
 from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import Rested, plan_design
 from app.tab.shown import Given
@@ -105,6 +106,9 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if state.comparing is not None and not state.comparing.done:
         state, tried = go_on(state)
         begun = (*begun, *tried)
+    if state.far is not None and state.far.running:
+        state, searched = search(state, state.far)
+        begun = (*begun, *searched)
     if state.files.opening or state.files.saving:
         state = replace(state, files=FileWork())
         body = "The connection was lost while a file was read or written: please try again."

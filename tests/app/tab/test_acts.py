@@ -18,6 +18,9 @@ def test_every_act_is_taken(act):
     assert isinstance(act.value, Button) != (act in acts._readers)
 
 
+HOW_FAR = ("FAR_TWIST", "FAR_FORWARD", "FAR_LATERAL", "FAR_HEIGHT")
+
+
 def shown(tab):
     buttons = [act for act in Act if isinstance(act.value, Button)]
     return {
@@ -30,6 +33,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
     assert shown(tab) == {
         *("SIMULATE", "SHARE", "SEEDS", "SAVE", "ADD_CHART", "REMOVE_CHART"),
         *("COMPARE_MODELS", "EXAMPLES", "HELP"),
+        *HOW_FAR,
     }
     tab = planned_tab()
     assert shown(tab) == {
@@ -46,6 +50,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
             "CHECK",
         ),
         *("COMPARE_MODELS", "COMPARE_DRIVES", "EXAMPLES", "HELP"),
+        *HOW_FAR,
         *("ADD_CHART", "REMOVE_CHART", "SAVE_LINES"),
     }
     tab.take(Act.PIN)

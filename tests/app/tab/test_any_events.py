@@ -41,6 +41,7 @@ from app.workers.reports import (
     Checked,
     Exported,
     Failed,
+    FoundLargest,
     Opened,
     Planned,
     Prepared,
@@ -54,6 +55,7 @@ from app.workers.reports import (
 from app.workers.tasks import (
     CheckMotion,
     ExportMotion,
+    FindLargest,
     FollowWay,
     OpenFile,
     PlanJump,
@@ -62,6 +64,7 @@ from app.workers.tasks import (
     SimulateJump,
     SimulateSeeds,
 )
+from llsrbm.largest_jump import DIRECTIONS, Largest
 from llsrbm.request.design import Design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
@@ -107,6 +110,9 @@ WISHES = st.one_of(
             Act.COMPARE_ARMS,
             Act.COMPARE_DRIVES,
             ComparisonClosed(),
+            Act.FAR_TWIST,
+            Act.FAR_FORWARD,
+            Act.USE_LARGEST,
             PushDragged(0.4, 0.3, 0.0, ended=False),
             PushDragged(0.4, 0.3, -0.1, ended=True),
             Act.WORST,
@@ -174,6 +180,15 @@ def success(task, file):
             return Exported(0, "a.npz", b"1")
         case CheckMotion():
             return Checked(0, CERTIFICATE)
+        case FindLargest(jump=jump, towards=towards):
+            return FoundLargest(0, largest(jump, towards))
+
+
+@cache
+def largest(jump, towards):
+    direction = DIRECTIONS[towards]
+    plan = refined_plan(plan_of(direction.of(jump, 80)))
+    return Largest(towards, direction.value(80), direction.unit, "a knee stops it", plan)
 
 
 @cache
@@ -269,6 +284,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.files.opening,
             self.state.files.saving,
             self.state.check and self.state.check.ticket,
+            self.state.far and self.state.far.ticket,
             *(
                 each.ticket
                 for comparing in [self.state.comparing]
@@ -328,6 +344,9 @@ class AnyEvents(RuleBasedStateMachine):
             assert any(waits)
         if state.check is not None and state.check.ticket:
             assert any(submit.ticket == state.check.ticket for submit in self.running)
+        if state.far is not None and state.far.running:
+            assert any(submit.ticket == state.far.ticket for submit in self.running)
+            assert state.far.is_of(state.design)
         if state.check is not None and state.check.certificate is None:
             assert state.check.ticket or state.check.note.startswith("Not checked")
         if state.files.opening or state.files.saving:
