@@ -226,8 +226,8 @@
         border-color: #d08a1d; }
       ${MAIN}:has([id="${nearest}"]) .llsrbm-status > [role=status] { padding-bottom: 2.1rem; }
       ${far.map(row).join()} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
-      :is(${far.map(button).join()}) { position: absolute; right: 4.8rem; top: 0; width: auto;
-        height: 1.6rem; font-size: 12px; padding-inline: 7px; }
+      :is(${far.map(button).join()}) { position: absolute; right: 4.8rem; top: -2px;
+        width: auto; height: 24px; font-size: 12px; padding-inline: 7px; }
       ${row(largest)} { grid-column: span 6; align-self: center; }
       ${button(largest)} { padding-inline: 2px; border-color: #2f9e62; }
       ${MAIN}:has([id="${largest}"]) > :has(.llsrbm-far) { grid-column: span 14; }

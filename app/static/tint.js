@@ -10,7 +10,7 @@
       --llsrbm-range: #7fb9ec; }
     /* Between the slider's limits. */
     [data-llsrbm-range]::after { content: attr(data-llsrbm-range); position: absolute; left: 3.2em;
-      right: 3.2em; top: 21px; text-align: center; white-space: nowrap; overflow: hidden;
+      right: 3.2em; top: 18px; text-align: center; white-space: nowrap; overflow: hidden;
       font-size: 12px; line-height: 1; color: var(--llsrbm-range); }
     [${TINTED}] .mantine-Slider-bar { background: transparent; }
     [${TINTED}] .mantine-Slider-track::before { opacity: 1; background: var(${TINT}), ${DASHES}; }`);

@@ -63,7 +63,7 @@ class HowFar:
         if self.found is None:
             return f"{title}: {self.why_not}."
         value = self.direction.in_words(self.found.value)
-        line = f"{title}: {value} is the largest found. More is stopped: {self.found.limit}."
+        line = f"{title}: {value} is the largest found; what stops it: {self.found.limit}."
         return line if self.answers(design) else f"Of the request before. {line}"
 
 

@@ -76,10 +76,10 @@ def test_it_says_how_far_it_has_come_and_then_what_stops_more(tab):
     assert sentence(tab) == "Forward: 0.65 m holds, trying 0.70 m ..."
     before = tab.state.status
     found(tab)
-    assert sentence(tab) == f"Forward: 0.88 m is the largest found. More is stopped: {LIMIT}."
+    assert sentence(tab) == f"Forward: 0.88 m is the largest found; what stops it: {LIMIT}."
     assert tab.state.status is before, "the verdict is on the motion that is shown"
     searched(tab, Act.FAR_TWIST, 195)
-    assert sentence(tab).startswith("Twist to the left: 195° is the largest found.")
+    assert sentence(tab).startswith("Twist to the left: 195° is the largest found;")
 
 
 def test_the_slider_reaches_to_what_was_found_whether_it_is_taken_or_not(tab):

@@ -44,7 +44,7 @@ def test_a_press_leads_to_the_largest_jump_which_is_taken(browser, designer):
     session, sentence = page.session, page.locator(".llsrbm-far")
     button(page, "Forward").focus()
     page.keyboard.press("Enter")
-    found = f"Forward: 0.70 m is the largest found. More is stopped: {STOPS_MORE}."
+    found = f"Forward: 0.70 m is the largest found; what stops it: {STOPS_MORE}."
     sentence.filter(has_text=found).wait_for()
     wait_until(lambda: session.state.ends.forward[1] == 0.7, "a longer slider")
     page.get_by_text("0.7", exact=True).first.wait_for()  # its end
