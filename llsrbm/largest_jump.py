@@ -208,13 +208,13 @@ class Search:
 
     def _saying(self, steps: int, best: Reached | None) -> Progress | None:
         """Progress that says how far it has come, whatever is done for it."""
-        told, words = self.drafting.progress, self.direction.in_words
-        if told is None:
+        progress, words = self.drafting.progress, self.direction.in_words
+        if progress is None:
             return None
         line = f"trying {words(self.direction.value(steps))}"
         if best is not None:
             line = f"{words(self.direction.value(best.steps))} holds, {line}"
-        return lambda step: told(replace(step, text=line))
+        return lambda step: progress(replace(step, text=line))
 
     def _judged(self, steps: int, plan: Plan, progress: Progress | None) -> Reached | Missed:
         if not plan.refined:

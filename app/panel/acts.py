@@ -24,8 +24,8 @@ class Button:
 
 
 _HOW_FAR = (
-    " towards the slider's side, the other values as they are, and the limit that stops more; this "
-    "takes minutes"
+    "Find the largest jump towards the slider's side, with the other values as they are, and the "
+    "limit that stops more; this takes minutes"
 )
 
 
@@ -33,10 +33,10 @@ class Act(Enum):
     """An act: a button, or the name of a group of controls that was moved."""
 
     NEAREST = Button("verdict", "Use nearest", "Replace the request by this feasible jump")
-    FAR_TWIST = Button("far twist", "How far?", "Find the largest twist" + _HOW_FAR)
-    FAR_FORWARD = Button("far forward", "How far?", "Find the longest jump" + _HOW_FAR)
-    FAR_LATERAL = Button("far lateral", "How far?", "Find the widest jump" + _HOW_FAR)
-    FAR_HEIGHT = Button("far height", "How far?", "Find the highest landing" + _HOW_FAR)
+    FAR_TWIST = Button("far twist", "How far?", _HOW_FAR)
+    FAR_FORWARD = Button("far forward", "How far?", _HOW_FAR)
+    FAR_LATERAL = Button("far lateral", "How far?", _HOW_FAR)
+    FAR_HEIGHT = Button("far height", "How far?", _HOW_FAR)
     USE_LARGEST = Button("far", "Use largest", "Replace the request by this jump")
     SIMULATE = Button("main", "Simulate", "Simulate the whole robot following the plan in MuJoCo")
     CANCEL = Button("main", "Cancel", "Stop the computation")

@@ -56,7 +56,7 @@ class HowFar:
         return same and design.tuning == self.tuning
 
     def sentence(self, design: Design) -> str:
-        """What is known, or how far it has come, for a visitor with such a design."""
+        """The result, or how far the search has come, for a visitor with such a design."""
         title = _TITLES[self.towards]
         if self.running:
             return f"{title}: {self.note or 'waiting for a computing process'} ..."

@@ -20,7 +20,7 @@ def _can_be_searched(state: TabState) -> bool:
     return state.ready and not state.design.jump.turns
 
 
-def ask(state: TabState, component: str) -> Step:
+def search_along(state: TabState, component: str) -> Step:
     """Look for the largest jump towards the side to which the slider stands."""
     if not _can_be_searched(state):
         return state, ()
@@ -29,7 +29,7 @@ def ask(state: TabState, component: str) -> Step:
 
 
 for _component, _act in HOW_FAR.items():
-    on(_act, enabled=_can_be_searched)(partial(ask, component=_component))
+    on(_act, enabled=_can_be_searched)(partial(search_along, component=_component))
 
 
 def search(state: TabState, far: HowFar) -> Step:
