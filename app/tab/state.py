@@ -7,7 +7,6 @@ connection ends (`app.tab.tabs`).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -26,6 +25,7 @@ from app.tab.contenders import Comparing
 from app.tab.how_far import HowFar
 from app.tab.planning.dragging import DragPlanning
 from app.tab.shown import Given, Shown
+from app.tab.slider_ends import Beyond, reaching, stretched
 from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.certificate import Certificate
@@ -34,13 +34,11 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.planning.whole_body.feasible import Feasible
 from llsrbm.request.design import Design
-from llsrbm.request.jump import STEPS, Jump
+from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.schema import Task as Ends
-
-_SLACK = 1e-6  # of a step: 0.3 / 0.01 is 29.999999999999996
 
 QUICK = 2.0
 """s; a simulation that takes no longer is begun after every change, unless that is switched off."""
@@ -182,9 +180,8 @@ class TabState:
     comparing: Comparing | None = None
     # how far the robot jumps in one direction, as far as it is known; None: nobody has asked
     far: HowFar | None = None
-    # robot name -> least and most of each component that was asked for, or found, beyond its file's
-    # range
-    reach: Mapping[str, Mapping[str, tuple[float, float]]] = field(default_factory=dict)
+    # robot name -> what was asked for, or found, beyond the usual requests of its file
+    reach: Mapping[str, Beyond] = field(default_factory=dict)
     playback: Playback = field(default_factory=Playback)  # playback, view, plots: how it is shown
     view: View = field(default_factory=View)
     dark: bool = False  # the visitor's system is
@@ -258,9 +255,7 @@ class TabState:
     @property
     def ends(self) -> Ends:
         """Ends of the sliders: the usual ones, and whatever beyond was asked for or found."""
-        own, reach = self.file.task, self.reach.get(self.design.jump.robot, {})
-        ends = {name: (*getattr(own, name), *beyond) for name, beyond in reach.items()}
-        return own.model_copy(update={name: (min(v), max(v)) for name, v in ends.items()})
+        return stretched(self.file.task, self.reach.get(self.design.jump.robot, {}))
 
     @property
     def ready(self) -> bool:
@@ -326,18 +321,13 @@ class TabState:
         return replace(self, status=status)
 
     def reaching(self, jump: Jump) -> TabState:
-        """With sliders that reach to a jump, in whole steps."""
+        """With sliders of its robot that reach to a jump."""
         usual = self.robots[jump.robot].for_jump(turns=jump.turns).task
-        reach = {**self.reach.get(jump.robot, {})}
-        for name, step in STEPS.items():
-            value, ends = getattr(jump, name) / step, (*getattr(usual, name), *reach.get(name, ()))
-            low, high = math.floor(value + _SLACK) * step, math.ceil(value - _SLACK) * step
-            if low < min(ends) - _SLACK * step or high > max(ends) + _SLACK * step:
-                own = (low, high, *reach.get(name, ()))
-                reach[name] = round(min(own), 9), round(max(own), 9)
-        if reach == self.reach.get(jump.robot, {}):
+        before = self.reach.get(jump.robot, {})
+        beyond = reaching(before, usual, jump)
+        if beyond == before:
             return self
-        return replace(self, reach={**self.reach, jump.robot: reach})
+        return replace(self, reach={**self.reach, jump.robot: beyond})
 
     def forgetting(self) -> TabState:
         """With no request on its way: the same one counts as a new one."""

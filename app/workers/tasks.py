@@ -158,6 +158,7 @@ class FindLargest(Task):
     tuning: Tuning  # weights and limits in place of the robot's own
     towards: str  # a name of `llsrbm.largest_jump.DIRECTIONS`
     kind = Kind.LARGEST
+    one_at_a_time = True  # it takes minutes: one keeps one process busy, not all of them
 
     @property
     def needs(self) -> Hashable:

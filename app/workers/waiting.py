@@ -6,7 +6,8 @@
    those that were requested to stop. A job of several parts has any number of them running; after
    each the other tabs have their turn.
 3. One process is reserved: it takes no job that lasts seconds, so that no plan has to wait for
-   another tab's simulation.
+   another tab's simulation; but for a machine with no more than two, while the other one looks for
+   a largest jump, which takes minutes. One of these is looked for at a time.
 4. A solver or a robot's meshes that have to be built first are built on one process at a time.
    Different ones are built side by side, but on the reserved process only if no other builds.
 5. Visitors' files are read one at a time, so that a hostile one keeps one process busy.
@@ -16,7 +17,7 @@
 from collections.abc import Hashable, Iterator, Sequence
 
 from app.workers.member import Entry, Member
-from app.workers.tasks import Task
+from app.workers.tasks import Kind, Task
 
 MOST_WAITING = 200
 """Jobs in the queue: of some 60 tabs that plan, open and save at once; a job may hold a file of
@@ -87,7 +88,9 @@ class Waiting:
                 other is not entry and (other.tab, other.task.kind) == (entry.tab, task.kind)
                 for other in running
             )
-            able = [m for m in members if m.idle and m.suits(task)]
+            able = [
+                m for m in members if m.idle and (m.suits(task) or _stands_in(m, task, members))
+            ]
             if rival or not able or not self.may_run(task, members):
                 continue
             if self.is_new(task) and any(m.task and self.is_new(m.task) for m in members):
@@ -130,3 +133,10 @@ class Waiting:
         """Sorts members: with the solver first; then a reserved one, unless it may take long."""
         long = self.is_new(task) or task.kind.long
         return task.needs not in member.loaded, member.reserved == long
+
+
+def _stands_in(member: Member, task: Task, members: Sequence[Member]) -> bool:
+    """Whether the reserved process takes a task as all the others look for largest jumps."""
+    others = [m for m in members if not (m.reserved or m.spare)]
+    searching = all(m.task is not None and m.task.kind is Kind.LARGEST for m in others)
+    return member.reserved and task.kind is not Kind.LARGEST and searching

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from app.workers.tasks import (
     ExportMotion,
+    FindLargest,
     OpenFile,
     PlanJump,
     Prepare,
@@ -17,12 +18,14 @@ from app.workers.tasks import (
 from app.workers.waiting import Entry, Member, Waiting
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
+from llsrbm.request.tuning import Tuning
 
 PLAN = PlanJump(Jump())
 OTHER = PlanJump(Jump(model="srbm"))
 SIMULATION = SimulateJump(None, Scenario())  # which plan does not matter here
 TABLE, LOG = (ExportMotion(None, (name,)) for name in ("csv", "mcap"))
 FILE = OpenFile("a.npz", b"", "anymal")
+SEARCH = FindLargest(Jump(), Tuning(), "up")
 TASKS = (PLAN, OTHER, SIMULATION, Prepare("anymal"), TABLE, LOG, FILE)
 
 numbers = itertools.count(1)
@@ -62,6 +65,19 @@ def test_a_simulation_leaves_the_reserved_process_alone():
     turns.put(entry("d"))
     assert give(turns, crew) == [("d", 1)]
     assert [item.tab for item in turns] == ["b", "c"]
+
+
+def test_while_the_only_other_process_searches_the_reserved_one_takes_all_else():
+    turns, crew = turns_that_know(*TASKS, SEARCH), members()
+    for tab in "ab":
+        turns.put(entry(tab, SEARCH))
+    assert give(turns, crew) == [("a", 0)]  # and b's waits
+    turns.put(entry("c", SIMULATION))
+    assert give(turns, crew) == [("c", 1)]
+    turns, crew = turns_that_know(*TASKS, SEARCH), members(3)
+    for tab, task in (("a", SEARCH), ("b", SIMULATION), ("c", SIMULATION)):
+        turns.put(entry(tab, task))
+    assert give(turns, crew) == [("a", 0), ("b", 1)]
 
 
 def test_a_visitors_file_leaves_the_reserved_process_alone_and_a_second_one_waits():
