@@ -5,11 +5,13 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.tasks import ExportMotion, OpenFile, PlanJump, SimulateJump
+from app.workers.tasks import ExportMotion, FindLargest, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
 from llsrbm.errors import UnusableStart
+from llsrbm.largest_jump import Largest
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.answer import planner as planner_module
+from llsrbm.planning.solve.watch import PlanningProgress
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
@@ -48,6 +50,27 @@ def called(monkeypatch):
 def planned(**changes):
     solved = replace(synthetic_plan(JUMP), solution=Iterate(None, None))
     return replace(solved, **changes)
+
+
+def test_a_search_gets_its_tuning_and_gives_the_largest_jump_alone(monkeypatch):
+    calls, said = [], []
+    plan = synthetic_plan(JUMP)
+
+    def largest(*arguments, progress, **options):
+        calls.append((arguments, options))
+        progress(PlanningProgress("0.65 m holds, trying 0.70 m"))
+        return Largest("up", 0.7, "m", "a knee", plan, (plan, plan))
+
+    monkeypatch.setattr(llsrbm, "largest", largest)
+    task = FindLargest(JUMP, TUNING, "up")
+    found = LibraryPlanner().largest(task, lambda text, **_: said.append(text), never)
+    assert (found.plan, found.smaller) == (plan, ())
+    ((arguments, options),) = calls
+    assert arguments == (JUMP, "up")
+    assert (options["weights"], options["limits"]) == (TUNING.weights, TUNING.limits)
+    assert options["cancelled"] is never
+    assert said[0].startswith("building the whole-body solver of ANYmal")
+    assert said[1:] == ["0.65 m holds, trying 0.70 m"]
 
 
 def test_a_plan_gets_its_tuning_and_the_plan_to_start_from(called):

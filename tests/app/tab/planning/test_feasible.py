@@ -96,3 +96,15 @@ def test_whole_bodies_plans_and_refusals_are_learned_and_drafts_are_not(tab):
     broken = Planned(1, replace(certified, certificate=None))
     (amount,) = taught(tab.state, broken, RefinePlan(draft, jump)).amounts
     assert amount < 0
+
+
+def test_beyond_the_usual_requests_a_track_is_plain_and_its_sentence_is_of_what_is_known(tab, page):
+    tab.move(forward=0.9)
+    Tint(page, SLIDERS).draw(tab.state)
+    track = page.shown[0]["id of forward"]
+    known = [chance for chance in track["chances"] if chance is not None]
+    share = len(known) / len(track["chances"])
+    assert share == pytest.approx(0.9 / 1.2, abs=0.02)
+    assert track["chances"][: len(known)] == known
+    assert "whole slider" not in track["text"]
+    assert None not in page.shown[0]["id of lateral"]["chances"]
