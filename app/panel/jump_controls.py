@@ -27,9 +27,9 @@ from app.viser_private import uuid_of
 from llsrbm import models
 from llsrbm.look.titles import title_of_model
 from llsrbm.request import jump_types
-from llsrbm.request.jump import ARMS, COMPONENTS, Jump
+from llsrbm.request.jump import ARMS, COMPONENTS, INCLINES, Jump
 from llsrbm.request.jump_types import JumpType
-from llsrbm.request.route import MOST
+from llsrbm.request.route import MOST, STEEPEST
 from llsrbm.robots import Robot, RobotFile
 from llsrbm.robots.payload import HEAVIEST
 from llsrbm.robots.schema import Task
@@ -65,7 +65,7 @@ def _slider(
         ends=ends or of_task,
         step=step,
         slider=True,
-        there=lambda jump: name in (landing_fields(jump) if ends is None else extra_fields(jump)),
+        there=lambda jump: name in (*landing_fields(jump), *extra_fields(jump), *INCLINES),
     )
 
 
@@ -106,6 +106,19 @@ SLIDERS = (
         (0.03, 0.4),
     ),
 )
+
+_STEEP = math.degrees(STEEPEST)
+SLOPES = tuple(
+    _slider(label, f"Angle by which the {surface} surface rises {way}", name, 1.0, steep, _DEG)
+    for steep in ((-_STEEP, _STEEP),)
+    for label, surface, way, name in (
+        ("Landing slope [deg]", "landing", "ahead, as the robot looks that lands", "slope"),
+        ("Landing cross slope [deg]", "landing", "to the left, likewise", "cross_slope"),
+        ("Take-off slope [deg]", "take-off", "ahead", "takeoff_slope"),
+        ("Take-off cross slope [deg]", "take-off", "to the left", "takeoff_cross_slope"),
+    )
+)
+"""Sliders of the surfaces, of every type of jump."""
 
 TINTED: Mapping[str, Field[Jump]] = dict(zip(COMPONENTS, SLIDERS, strict=False))
 """Sliders whose tracks show what can be planned, by fields of a request.
@@ -167,6 +180,10 @@ class JumpControls:
     def add_model(self) -> None:
         """Add the model's menu to the container that is open."""
         self._fields.add(self._model)
+
+    def add_slopes(self) -> None:
+        """Add how the ground slopes, in the open container."""
+        self._fields.add(*SLOPES)
 
     def add_payload(self) -> None:
         """Add what the robot carries, in the open container."""

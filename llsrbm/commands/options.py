@@ -17,7 +17,7 @@ import typer
 
 from llsrbm.errors import InputError
 from llsrbm.number_text import decimal, degrees
-from llsrbm.request.jump import TYPE_PARAMETERS, Jump, Load, parse_payload
+from llsrbm.request.jump import INCLINES, TYPE_PARAMETERS, Jump, Load, parse_payload
 from llsrbm.request.messages import FieldSpec, Number, field_specs
 from llsrbm.request.route import Route, load_route
 from llsrbm.request.scenario import PushList, Scenario, parse_push
@@ -177,11 +177,14 @@ def in_words(jump: Jump) -> str:
     """The request in one line, in the command line's units."""
     plain = Jump()
     words = [] if jump.type == plain.type else [jump.type]
+    landings = jump.route or (jump,)
     words += [
         f"twist {degrees(place.twist, 0)}, forward {decimal(place.forward, 2)} m, lateral "
         f"{decimal(place.lateral, 2)} m, height {decimal(place.height, 2)} m"
-        for place in jump.route or (jump,)
+        for place in landings
     ]
+    if jump.route:
+        words = [f"landing {k}: {place}" for k, place in enumerate(words[-len(landings) :], 1)]
     words += [
         f"{name} {degrees(turn, 0)}"
         for name, turn in (("roll", jump.roll), ("pitch", jump.pitch))
@@ -203,6 +206,11 @@ def in_words(jump: Jump) -> str:
         words.append(f"arms {jump.arms}")
     if jump.payload:
         words.append(f"payload {decimal(jump.payload[0], 2)} kg")
+    words += [
+        f"{name.replace('_', ' ')} {degrees(getattr(jump, name), 0)}"
+        for name in INCLINES
+        if getattr(jump, name)
+    ]
     words += [
         f"{leg} {', '.join(decimal(each, 3) for each in place)} m aside"
         for leg, *place in jump.stones
@@ -232,6 +240,13 @@ def _with_options(command: Callable[..., int], kind: type, parameter: str) -> Ca
     return called
 
 
+def _accepted(spec: FieldSpec) -> str:
+    """The range of an option's value, angles in degrees as it has them."""
+    if isinstance(spec, Number) and spec.unit == "rad" and math.isfinite(spec.high):
+        return f"{math.degrees(spec.low):g} to {math.degrees(spec.high):g} deg"
+    return spec.accepted
+
+
 def _parameter(kind: type, field: str) -> str:
     return _PARAMETERS.get(field, field) if kind is Scenario else field
 
@@ -255,7 +270,8 @@ def _parameters(kind: Any) -> list[inspect.Parameter]:
     types, specs, parameters = get_type_hints(kind), field_specs(kind), []
     for field in fields(kind):
         spec, default, annotation = specs[field.name], field.default, types[field.name]
-        accepted = f" ({spec.accepted})" if spec.accepted else ""
+        accepted = _accepted(spec)
+        accepted = f" ({accepted})" if accepted else ""
         shown: bool | str = True
         if isinstance(spec, PushList | StoneList):
             accepted, default, annotation = f"{accepted}; may be repeated", [], list[str]

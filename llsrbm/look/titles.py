@@ -8,7 +8,7 @@ from pathlib import Path
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import INCLINES, Jump
 from llsrbm.request.route import Landing
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
@@ -87,6 +87,11 @@ def file_words(jump: Jump) -> str:
         f"{onwards if length > 0 else backwards}{centimetres}cm"
         for length, onwards, backwards in _moves(jump)
         if (centimetres := round(100 * abs(length)))
+    ]
+    parts += [
+        f"{name.replace('_', '-')}{degrees}"
+        for name in INCLINES
+        if (degrees := round(math.degrees(getattr(jump, name))))
     ]
     parts = parts or ["on-the-spot"]
     if jump.model != Jump.model:
@@ -176,6 +181,9 @@ def _task(jump: Jump) -> str:
         task = f"{Path(jump.type).stem} {task}".rstrip()
     if passed := jump.gap or jump.bar:
         task += f" of {round(100 * passed, 1):g} cm"
+    for name in INCLINES:
+        if angle := round(math.degrees(getattr(jump, name)), 1):
+            task += f", {name.replace('_', ' ').replace('takeoff', 'take-off')} {angle:g}°"
     if jump.speed:
         task += f" from {jump.speed:g} m/s"
     if jump.end_speed:

@@ -97,6 +97,14 @@ class JumpAxes(Table):
     speed: _AnyAxis = None
     end_speed: _AnyAxis = None
     hops: _AnyAxis = None
+    slope: _AnyAxis = None
+    slope_deg: _AnyAxis = None
+    cross_slope: _AnyAxis = None
+    cross_slope_deg: _AnyAxis = None
+    takeoff_slope: _AnyAxis = None
+    takeoff_slope_deg: _AnyAxis = None
+    takeoff_cross_slope: _AnyAxis = None
+    takeoff_cross_slope_deg: _AnyAxis = None
     gap: _AnyAxis = None
     bar: _AnyAxis = None
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 from app.workers.tasks import PlanJump
 from llsrbm.motion.plan import Plan
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import INCLINES, Jump
 from llsrbm.request.route import Landing
 from llsrbm.request.tuning import Tuning
 
@@ -84,7 +84,7 @@ def _near(one: Jump, other: Jump) -> bool:
         return max(abs(getattr(one, name) - getattr(other, name)) for name in names)
 
     return (
-        apart("twist") <= _NEAR_TWIST
+        apart("twist", *INCLINES) <= _NEAR_TWIST
         and apart("forward", "lateral", "height", "gap", "bar") <= _NEAR_MOVE
         and apart("speed", "end_speed") <= _NEAR_SPEED
         and all(map(_near_landing, one.route, other.route))
@@ -92,6 +92,5 @@ def _near(one: Jump, other: Jump) -> bool:
 
 
 def _near_landing(one: Landing, other: Landing) -> bool:
-    turned = abs(one.twist - other.twist)
-    moved = max(abs(a - b) for a, b in zip(one[:3], other[:3], strict=True))
-    return turned <= _NEAR_TWIST and moved <= _NEAR_MOVE
+    apart = [abs(a - b) for a, b in zip(one, other, strict=True)]
+    return max(apart[3:]) <= _NEAR_TWIST and max(apart[:3]) <= _NEAR_MOVE
