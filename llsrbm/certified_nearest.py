@@ -61,7 +61,7 @@ def plan_or_nearest(
 def _unlikely(planner: CertifiedPlanner, draft: Plan) -> bool:
     """Whether the table of solved jumps says that a draft's is hardly found."""
     feasible = feasible_of(planner.robot or robot_of(draft))
-    if feasible is None or not fits(draft.jump.on_level_ground, draft.tuning):
+    if feasible is None or not fits(draft.jump.on_ground(0.0), draft.tuning):
         return False
     return feasible.score(draft.jump) < UNLIKELY
 

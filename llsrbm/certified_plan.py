@@ -76,7 +76,7 @@ class CertifiedPlanner:
     def nearby(self, draft: Plan, jump: Jump) -> Plan | None:
         """`from_table` of another jump under a draft's weights and limits."""
         tuning = draft.tuning
-        if not fits(jump.on_level_ground, tuning):  # less of a gap may be no gap at all
+        if not fits(jump.on_ground(0.0), tuning):  # less of a gap may be no gap at all
             return None
         try:
             task = make_task(jump, self.robot or robot_of(draft), tuning.weights, tuning.limits)

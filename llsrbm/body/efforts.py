@@ -19,7 +19,9 @@ def inverse_dynamics(model: pin.Model, q: Array, v: Array, a: Array) -> Array:
     return found
 
 
-def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
+def efforts(
+    robot: Robot, q: Array, v: Array, a: Array, force: Array, normals: Array | None = None
+) -> Array:
     """Force and moment on the base's origin (base axes) and drives' torques, (K, 6 + J) N, Nm.
 
     The first six are zero where the motion is possible.
@@ -28,6 +30,7 @@ def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
         robot: that moves.
         q, v, a: (K, nq), (K, nv), (K, nv) of the whole robot, Pinocchio's convention.
         force: (K, C, 3) N at the contact points of the feet, world axes.
+        normals: (K, L, 3) unit, of what each foot stands on; None: it is level.
     """
     placed = placements(robot.model, q)
     turn, origin = placed
@@ -37,7 +40,8 @@ def efforts(robot: Robot, q: Array, v: Array, a: Array, force: Array) -> Array:
         R, at = turn[:, frame.parentJoint], origin[:, frame.parentJoint]
         corners = frame.placement.translation + robot.corners @ frame.placement.rotation.T
         points[:, i] = at[:, None] + corners @ np.swapaxes(R, -1, -2)
-    points[..., 2] -= robot.foot_lift
+    up = np.array([0.0, 0.0, 1.0]) if normals is None else normals[:, :, None]
+    points -= robot.foot_lift * up
     found = inverse_dynamics(robot.model, q, v, a)
     found[:, 6:] += friction_torque(robot, v[:, 6:])
     return found - of_contacts(robot, placed, points, force.reshape(points.shape))

@@ -237,11 +237,11 @@ class Jump:
         """Number of jumps in a row."""
         return len(self.route) or self.hops
 
-    @property
-    def on_level_ground(self) -> Jump:
-        """The same jump with every foot at its default, on surfaces that do not slope."""
-        level: dict[str, Any] = dict.fromkeys(INCLINES, 0.0)
-        return replace(self, stones=(), **level)
+    def on_ground(self, share: float) -> Jump:
+        """The same jump with slopes and stones of a share of their size; 0: on level ground."""
+        slopes: dict[str, Any] = {name: share * getattr(self, name) for name in INCLINES}
+        stones = [Stone(leg, *(share * each for each in place)) for leg, *place in self.stones]
+        return replace(self, stones=tuple(stones), **slopes)
 
     @property
     def turns(self) -> bool:

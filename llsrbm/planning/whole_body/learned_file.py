@@ -61,7 +61,7 @@ def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned |
     A jump with stones, or on slopes, begins from the same one without; where the feet land is in
     its own rows.
     """
-    return _table(robot, grid) if fits(jump.on_level_ground, tuning) else None
+    return _table(robot, grid) if fits(jump.on_ground(0.0), tuning) else None
 
 
 def outcomes_of(robot: Robot) -> Outcomes | None:

@@ -16,7 +16,7 @@ from llsrbm.motion.solve_report import Refinement
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver
-from llsrbm.planning.problem.placement import task_of
+from llsrbm.planning.problem.placement import retargeted, task_of
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
@@ -37,6 +37,9 @@ from llsrbm.robots.robot import Robot
 
 _log = logging.getLogger(__name__)
 
+# Of slopes and stones, on the way to all of them: three of ANYmal's requests on slopes of up to 18
+# degrees that are not found at once all are so, with three steps none is.
+SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 _DIGITS = 8  # of what tells kinds of robots apart in names of files
 SOLVED, FAILED, UNTRIED = "solved", "not-converged", "not-tried"
 
@@ -96,7 +99,20 @@ class Refiner:
         if nearby is None:
             return None
         found = self.beside(task, nearby, watch)
+        if not found.refined and task.jump != task.jump.on_ground(0.0):
+            found = self._gradually(task, nearby, watch)
         return found if found.refined else None
+
+    def _gradually(self, task: Task, nearby: Iterate, watch: Watch) -> Plan:
+        """From the same jump on level ground to slopes and stones, a share of them at a time."""
+        for share in SHARES:
+            jump = task.jump.on_ground(share)
+            found = self.beside(task if share == 1.0 else retargeted(task, jump), nearby, watch)
+            if not found.refined:
+                break
+            assert self.solution is not None
+            nearby = self.solution
+        return found
 
     def beside(self, task: Task, nearby: Iterate, watch: Watch) -> Plan:
         """The whole body's plan, begun from the solution of a jump nearby, without a draft.

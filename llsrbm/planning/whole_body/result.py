@@ -45,7 +45,7 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     quat = sign_continuous(at.q[:, [6, 3, 4, 5]])
     R = rotation_matrices(quat)
     joints = at.q[:, 7:]
-    com, inertia, momentum, foot_position, foot_rotation, lowest = _by_pinocchio(robot, at.q, at.v)
+    com, inertia, momentum, foot_position, foot_rotation, balls = _by_pinocchio(robot, at.q, at.v)
     phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
     rests = _resting(plan.schedule.stands[phase])
     # Soles drift by less than the rows' tolerance from where they are planned to stand.
@@ -53,14 +53,10 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     if robot.file.foot.is_point:  # balls roll, and their frames rise and sink as shanks lean
         tilt = feet.tilt[np.arange(len(time)) // 2]
         normal, radius = normals(tilt), foot_contacts(robot)[0].radius
-        middle = foot_position[..., :2]
-        rises = (tilt * (middle - feet.place[..., :2])).sum(axis=-1)
-        stands[..., :2] = middle
-        # A ball touches a slope beside its lowest point.
-        above = radius * (1 / normal[..., 2] - 1)
-        stands[..., 2] += rises + above + foot_position[..., 2] - lowest
-        touches[..., :2] = middle - radius * normal[..., :2]
-        touches[..., 2] += rises + (tilt * (touches[..., :2] - middle)).sum(axis=-1)
+        above = (normal * (balls - feet.place)).sum(axis=-1) - radius
+        stands = foot_position - above[..., None] / normal[..., 2:] * [0.0, 0.0, 1.0]
+        touches[..., :2] = foot_position[..., :2] - robot.foot_lift * normal[..., :2]
+        touches[..., 2] += (tilt * (touches - feet.place)[..., :2]).sum(axis=-1)
     foot_position = np.where(rests[..., None], stands, foot_position)
     foot_quat = np.where(rests[..., None], feet.quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T
@@ -70,7 +66,8 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     node_count = grid.intervals * len(NODES)
     interval = np.repeat(np.arange(grid.intervals), len(NODES))
     nodes = motion.within(interval, np.tile(NODES, grid.intervals))
-    torque = efforts(robot, nodes.q, nodes.v, nodes.a, nodes.force)[:, 6:]
+    on = normals(feet.tilt[interval])
+    torque = efforts(robot, nodes.q, nodes.v, nodes.a, nodes.force, on)[:, 6:]
     limit = torque_in_direction(robot, nodes.v[:, 6:], torque)
     q_legs = joints[:, robot.leg_joint_index]
     legs_com = robot.chains.masses(q_legs).com
@@ -106,14 +103,14 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
 def _by_pinocchio(
     robot: Robot, q: Array, v: Array
 ) -> tuple[Array, Array, Array, Array, Array, Array]:
-    """CoM, inertia, momentum (linear, angular), the feet's places, attitudes, and lowest points.
+    """CoM, inertia, momentum (linear, angular), the feet's places, attitudes, and lowest balls.
 
     Places of point feet are their frames', less what these are above their lowest points, standing.
     """
     model, data, legs = robot.model, robot.model.createData(), len(robot.legs)
     com, inertia, momentum = centroidal_states(model, q, v)
     place, rotation = np.empty((len(q), legs, 3)), np.empty((len(q), legs, 3, 3))
-    lowest = np.empty((len(q), legs))
+    lowest = np.empty((len(q), legs, 3))
     contacts = foot_contacts(robot)
     for k in range(len(q)):
         pin.framesForwardKinematics(model, data, q[k])
@@ -121,7 +118,7 @@ def _by_pinocchio(
             placed = data.oMf[description.foot_frame_id]
             place[k, leg], rotation[k, leg] = placed.translation, placed.rotation
             balls = placed.rotation @ contacts[leg].centres.T
-            lowest[k, leg] = placed.translation[2] + balls[2].min() - contacts[leg].radius
+            lowest[k, leg] = placed.translation + balls[:, balls[2].argmin()]
     place[..., 2] -= robot.foot_lift
     return com, inertia, momentum, place, rotation, lowest
 

@@ -23,6 +23,7 @@ from llsrbm.planning.whole_body.problem import make_problem
 from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.start import Start, trunk_room, variables
 from llsrbm.planning.whole_body.tops import tops
+from llsrbm.request.slopes import normals
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
@@ -129,7 +130,8 @@ class Rounds:
         """Take a motion if it is the first, or misses less; whether one may miss still less."""
         interval, part = np.divmod(np.arange((BETWEEN + 1) * self.grid.intervals), BETWEEN + 1)
         at = motion.within(interval, part / BETWEEN)
-        lacks = efforts(self.robot, at.q, at.v, at.a, at.force)[:, :6] / self.sizes.weight
+        on = normals(start.tilt[interval])
+        lacks = efforts(self.robot, at.q, at.v, at.a, at.force, on)[:, :6] / self.sizes.weight
         force, moment = (np.linalg.norm(part, axis=1).max() for part in np.split(lacks, 2, axis=1))
         missed = max(force, moment / ARM)
         # Links may pass through each other between the instants at which they are apart.
