@@ -280,8 +280,10 @@ class _BetweenKnots:
         foot_position = self._standing("foot_position")
         foot_quat = self._instants.turning(plan.foot_quat)
         count, legs = foot_position.shape[:2]
-        levers = plan.contact_point[0].reshape(legs, -1, 3) - plan.foot_position[0][:, None]
-        in_foot = levers @ rotation_matrices(plan.foot_quat[0])
+        at_knots = plan.contact_point.reshape(len(plan.time), legs, -1, 3)
+        # The same at all knots, but for balls, which touch a slope beside their lowest points.
+        levers = at_knots - plan.foot_position[:, :, None]
+        in_foot = self._instants.linear(levers @ rotation_matrices(plan.foot_quat))
         turned = in_foot @ np.swapaxes(rotation_matrices(foot_quat), -1, -2)
         points: Array = foot_position[:, :, None] + turned
         return points.reshape(count, -1, 3)

@@ -183,7 +183,7 @@ class Start:
 
 
 def _standing(task: Task, robot: Robot) -> Postures:
-    """Of the robot that stands at the start, and at the end."""
+    """The robot as it stands at the start, and at the end."""
     ends = task.places[0], task.places[-1]
     tilt, feet = (np.array([getattr(place, name) for place in ends]) for name in ("tilt", "feet"))
     # A ball that touches a slope beside its lowest point is higher.

@@ -89,7 +89,9 @@ def test_as_the_task_of_what_is_done(name, kind, wanted, less):
         if not (role.has_shortfall and role.flies):
             continue
         phase = role.phase
-        local = [numbers[f"phase{phase}_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
+        local = [
+            numbers[f"phase{phase}_{n}"] for n in ("feet", "contacts", "yaw", "towards", "tilt")
+        ]
         own = numbers["own"].reshape(layout.total, -1)[knot]
         found = function(name, kind, knot)(shortfall, np.concatenate(local), own, *numbers.values())
         position, quat, velocity, feet, contacts, yaw, _, *moved = (np.array(x) for x in found)
@@ -124,7 +126,7 @@ def test_the_edge_moves_with_the_jump():
         role = layout.roles[knot]
         if not (role.has_shortfall and role.flies):
             continue
-        local = [numbers[f"phase1_{n}"] for n in ("feet", "contacts", "yaw", "towards")]
+        local = [numbers[f"phase1_{n}"] for n in ("feet", "contacts", "yaw", "towards", "tilt")]
         own = numbers["own"].reshape(layout.total, -1)[knot]
         found = function("go2", "together", knot)(
             shortfall, np.concatenate(local), own, *numbers.values()

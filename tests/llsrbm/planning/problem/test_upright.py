@@ -71,7 +71,7 @@ def row_at(knot):
     row = ca.Function("row", inputs, [stage.lift.resolve(UprightLanding().rows(stage))])
     values = parameters(layout, task)
     phase = int(layout.phase[knot])
-    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards")]
+    names = [f"phase{phase}_{n}" for n in ("feet", "contacts", "yaw", "towards", "tilt")]
     local = np.concatenate([values[n] for n in names])
     places = layout.variables(knot)
 

@@ -10,6 +10,8 @@ from llsrbm.robots import load_robot, names
 from tests.llsrbm.kinematics import links_alone, of_drives
 from tests.llsrbm.planning.whole_body.moving import moving
 
+UP = (0.0, 0.0, 1.0)
+
 
 def of_pinocchio(robot, q, v, a, forces):
     """Base and drives, base axes: of links, forces (L, c, 3) N, world axes, and of drives."""
@@ -48,7 +50,8 @@ def test_they_are_pinocchios(name, stands):
         inputs = [*base, state["joint_position"][own], state["joint_velocity"][own], joints[own]]
         standing = stands and i < len(robot.legs)
         inputs += [forces[i].ravel()] if standing else []
-        effort = limb_effort(limb.kind, standing).value(np.concatenate(inputs), limb.numbers)
+        numbers = np.append(limb.numbers, UP) if limb.kind.corners else limb.numbers
+        effort = limb_effort(limb.kind, standing).value(np.concatenate(inputs), numbers)
         found[:6] += np.array(effort).ravel()[:6]
         found[[6 + joint for joint in own]] = np.array(effort).ravel()[6:]
     np.testing.assert_allclose(found, expected, atol=1e-8)
