@@ -24,12 +24,12 @@ def pose_inputs(kind: LimbKind) -> dict[str, int]:
 def pose_outputs(kind: LimbKind) -> dict[str, int]:
     """Outputs of `leg_pose`, world axes: the foot's place; of soles its velocity, axes and rate; of
     a point foot the velocity of the point by which its ball touches; the middles of balls; the
-    knee's height; in base axes from the base's origin, the foot, and the middle of the shank.
+    knee; in base axes from the base's origin, the foot, and the middle of the shank.
     """
     moves = {"velocity": 3, "sole": 9, "omega": 3} if kind.corners > 1 else {"slides": 3}
     shank = 1 if kind.knee is None else 2
     found = {"foot": 3, **moves, "balls": 3 * kind.corners}
-    return found | {"knee_height": shank - 1, "shank": 3 * shank}
+    return found | {"knee": 3 * (shank - 1), "shank": 3 * shank}
 
 
 @lru_cache(maxsize=32)
@@ -62,7 +62,7 @@ def leg_pose(kind: LimbKind) -> Derived:
     found = {
         "foot": place,
         "balls": ca.vertcat(*(place + ca.mtimes(R_world_base, arm) for arm in arms)),
-        "knee_height": ca.SX(0, 1),
+        "knee": ca.SX(0, 1),
         "shank": foot,
     }
     if kind.corners > 1:
@@ -75,7 +75,7 @@ def leg_pose(kind: LimbKind) -> Derived:
         slides = turned + cross(omega, touching)
         found["slides"] = x["velocity"] + ca.mtimes(R_world_base, slides)
     if knee is not None:
-        found["knee_height"] = x["position"][2] + ca.dot(R_world_base[2, :].T, knee)
+        found["knee"] = x["position"] + ca.mtimes(R_world_base, knee)
         found["shank"] = ca.vertcat(foot, (foot + knee) / 2)
     outputs = pose_outputs(kind)
     assert {name: found[name].numel() for name in outputs} == outputs

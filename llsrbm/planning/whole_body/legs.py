@@ -32,7 +32,7 @@ class Leg:
             a point foot's ball touches.
         balls: (3,) m each, their middles.
         radius: m of the balls.
-        knee_height: m; empty if it has no knee.
+        knee: (3,) m; empty if it has none.
         shank: (3,) m of the foot, and of the middle between it and the knee if there is one, base
             axes, from the base's origin.
     """
@@ -44,7 +44,7 @@ class Leg:
     slides: Any
     balls: list[Any]
     radius: Any
-    knee_height: Any
+    knee: Any
     shank: list[Any]
 
     @classmethod
@@ -60,7 +60,7 @@ class Leg:
             slides=None if soles else at["slides"],
             balls=ca.vertsplit(at["balls"], 3),
             radius=radius,
-            knee_height=at["knee_height"],
+            knee=at["knee"],
             shank=ca.vertsplit(at["shank"], 3),
         )
 
@@ -132,7 +132,7 @@ def along(leg: Leg, ground: Ground) -> Any:
 
 def knee_height(leg: Leg, ground: Ground) -> Any:
     """Height of a knee above its foot's ground, in units of rows."""
-    return (leg.knee_height - ground.place[2]) / LANDING_UNIT
+    return (ground.height(leg.knee) - ground.place[2]) / LANDING_UNIT
 
 
 def squared_distances(one: Leg, other: Leg) -> list[Any]:
