@@ -96,14 +96,14 @@ SLIDERS = (
         "Width of the gap that the whole robot passes over",
         "gap",
         0.01,
-        (0.05, 0.6),
+        (0.0, 0.6),
     ),
     _slider(
         "Bar [m]",
         "Height of the bar that the whole robot passes over",
         "bar",
         0.01,
-        (0.03, 0.4),
+        (0.0, 0.4),
     ),
 )
 
@@ -241,8 +241,10 @@ class JumpControls:
             self._types_of, self._types = robot, types_offered(robot)
             self._heaviest = round(HEAVIEST * robot.mass - 0.05, 1)  # never beyond
         self._fields.show(jump, self._about(jump))
+        for name, act in HOW_FAR.items():
+            self.buttons[act].visible = name in landing_fields(jump)
         self.footholds.show(jump, robot)
-        drawn_of = (robot, jump.type, jump.hops, jump.pitch, jump.roll)
+        drawn_of = (robot, jump.type, jump.jumps, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
             self._drawn_of = drawn_of
             self._picture.content = type_picture.type_picture(self._types[jump.type], robot, jump)

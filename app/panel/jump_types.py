@@ -70,7 +70,8 @@ def landing_fields(jump: Jump) -> tuple[str, ...]:
 def extra_fields(jump: Jump) -> tuple[str, ...]:
     """Fields that its type has besides where to land; none of a type that is no preset."""
     known = jump_types.names()
-    return known[jump.type].parameters if jump.type in known else ()
+    own = known[jump.type].parameters if jump.type in known else ()
+    return tuple(name for name in own if not (jump.route and name == "hops"))
 
 
 def turns_offered(fields: Collection[str], axes: Collection[str]) -> tuple[str, ...]:
