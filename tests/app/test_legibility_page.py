@@ -18,7 +18,7 @@ PLACES = {
     "Results": (),
     "Plots": (),
     "Files": (),
-    "More": ("Footholds", "Limits", "Atlas"),
+    "More": ("Footholds", "Slopes", "Limits", "Atlas"),
 }
 
 
