@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -12,12 +12,12 @@ from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
-from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.placement import make_task, retargeted
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.learned_file import fits
-from llsrbm.planning.whole_body.refine import planned, refined, refiner_of
+from llsrbm.planning.whole_body.refine import planned, planned_through, refined, refiner_of
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.variants import with_strength
@@ -92,15 +92,25 @@ class CertifiedPlanner:
         if not self.guesses:
             return None
         robot = with_strength(self.robot or load_robot(task.jump.robot))
-        begun = planned(
-            task,
-            robot,
-            layout_of(task.jump, robot, intervals).intervals,
-            cancelled=self.cancelled,
-            progress=self.progress,
-        )
+        counts = layout_of(task.jump, robot, intervals).intervals
+        if task.jump.singly:
+            begun = self._through(task, robot, counts)
+        else:
+            begun = planned(task, robot, counts, cancelled=self.cancelled, progress=self.progress)
         found = begun and self.held(begun)
         return found if found is not None and found.certified else None
+
+    def _through(self, task: Task, robot: Robot, counts: Sequence[int]) -> Plan | None:
+        """The plan of several jumps in a row, begun from the table's plans of each by itself."""
+        parts = []
+        for jump in task.jump.singly:
+            part = self.from_table(retargeted(task, jump))
+            if part is None:
+                return None
+            parts.append(part)
+        return planned_through(
+            task, robot, counts, parts, cancelled=self.cancelled, progress=self.progress
+        )
 
     def checked(self, plan: Plan) -> Plan:
         """A plan with its certificate; a draft as it is."""

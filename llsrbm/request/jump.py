@@ -237,6 +237,22 @@ class Jump:
         """Number of jumps in a row."""
         return len(self.route) or self.hops
 
+    @property
+    def singly(self) -> tuple[Jump, ...]:
+        """The jumps of a row, each by itself; () of other types."""
+        if self.type != IN_A_ROW or self.jumps < 2:
+            return ()
+        plain = replace(self, type=PLAIN, hops=1, route=(), stones=())
+        slope, cross_slope = self.takeoff_slope, self.takeoff_cross_slope
+        found = []
+        for landing in self.route or [None] * self.jumps:
+            own: dict[str, Any] = {} if landing is None else landing._asdict()
+            one = replace(plain, **own, takeoff_slope=slope, takeoff_cross_slope=cross_slope)
+            slope, cross_slope = one.slope, one.cross_slope
+            found.append(one)
+        *_, end = found
+        return (*found[:-1], replace(end, stones=self.stones))
+
     def on_ground(self, share: float) -> Jump:
         """The same jump with slopes and stones of a share of their size; 0: on level ground."""
         slopes: dict[str, Any] = {name: share * getattr(self, name) for name in INCLINES}

@@ -23,6 +23,7 @@ from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compil
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.joined import joined
 from llsrbm.planning.whole_body.learned_file import table_for
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
@@ -219,6 +220,32 @@ def planned(
     if found is None:
         return None
     assert found.refinement is not None
+    return replace(found, refinement=replace(found.refinement, build_time_s=built))
+
+
+def planned_through(
+    task: Task,
+    robot: Robot,
+    counts: Sequence[int],
+    parts: Sequence[Plan],
+    *,
+    cancelled: Callable[[], bool] | None = None,
+    progress: Progress | None = None,
+) -> Plan | None:
+    """The whole body's plan of jumps in a row, begun from plans of each; None: it is not found.
+
+    The rest as `planned`.
+    """
+    watch = Watch(cancelled, progress)
+    watch.wait()
+    start = time.perf_counter()
+    refiner = watch.built(partial(Refiner, robot, Grid.at(task.schedule, counts)))
+    built = time.perf_counter() - start
+    begun = joined(task, unplanned(task, robot, refiner.solver.name), parts)
+    found = refiner.refine(begun, cancelled=cancelled, progress=progress)
+    assert found.refinement is not None
+    if found.refinement.status != SOLVED:
+        return None
     return replace(found, refinement=replace(found.refinement, build_time_s=built))
 
 
