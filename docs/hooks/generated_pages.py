@@ -196,7 +196,8 @@ def _takes(robot: str, kind: str) -> bool:
 
 def _beyond(kind: JumpType) -> float:
     """How far to jump, m: with an obstacle the feet have to land behind it."""
-    return 0.0 if kind.obstacle is None else round(kind.obstacle.far + ROOM, 2)
+    far = None if kind.passes or kind.obstacle is None else kind.obstacle.far
+    return 0.0 if far is None else round(far + ROOM, 2)
 
 
 # ---- jump types

@@ -46,7 +46,7 @@ ARMS = (FREE, HELD)
 
 PAYLOAD = "KG[,X,Y,Z]"
 FARTHEST = 1.0  # m, of a payload from the origin of the trunk's frame
-_STATED_ALONE = ("stones", "route", *INCLINES)
+_STATED_ALONE = ("stones", "route")
 _WHOLE = 1e-3  # of a turn: as near as degrees on a command line are
 
 
@@ -265,9 +265,7 @@ class Jump:
         return bool(self.roll or self.pitch)
 
     def as_dict(self) -> dict[str, Any]:
-        """The request as plain data, for files and messages; stones, route and slopes where it
-        has some.
-        """
+        """The request as plain data, for files and messages; stones and route where it has some."""
         found = asdict(self) | {
             "payload": list(self.payload),
             "stones": by_leg(self.stones),
