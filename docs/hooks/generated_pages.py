@@ -231,12 +231,11 @@ def _type(name: str, kind: JumpType) -> Iterable[str]:
         ],
     )
     if kind.obstacle is not None:
-        what, size = ("gap", "deep") if kind.obstacle.height < 0 else ("bar", "high")
-        yield (
-            f"Jumps over a {what}, {abs(kind.obstacle.height):g} m {size}, from "
-            f"{kind.obstacle.near:g} to {kind.obstacle.far:g} m ahead of the foremost contact "
-            "point."
-        )
+        near, far, height = kind.obstacle.ends(kind.default_jump())
+        what, size = ("gap", "deep") if height < 0 else ("bar", "high")
+        ahead = "where feet have room beside it" if kind.passes else "the foremost contact point"
+        place = f"from {near:g} to {far:g} m ahead of {ahead}"
+        yield f"Jumps over a {what}, {abs(height):g} m {size}, {place}."
     links = ", ".join(f"[{load_robot(robot).file.title}](../robots/{robot}.md)" for robot in robots)
     yield f"Robots: {links}."
     yield "## Its file"
@@ -246,7 +245,8 @@ def _type(name: str, kind: JumpType) -> Iterable[str]:
 
 def _asked(kind: JumpType) -> str:
     """The type's own options with its defaults, as on a command line."""
-    told = f" --forward {_beyond(kind):g}" if kind.obstacle is not None else ""
+    lands = kind.obstacle is not None and not kind.passes
+    told = f" --forward {_beyond(kind):g}" if lands else ""
     for name, value in kind.defaults.items():
         shown = math.degrees(value) if name in ANGLES else value
         told += f" --{name.replace('_', '-')} {shown:g}"

@@ -119,7 +119,7 @@ class JumpType(Table):
                 key = f"defaults.{printable(name)}"
                 raise fault(f'{key}: the type asks for {known}; expected one of "asks"')
         try:
-            self._default_jump()
+            self.default_jump()
         except InputError as error:
             raise fault(str(error)) from error
         return self
@@ -134,12 +134,13 @@ class JumpType(Table):
         for key, value, name in (("to", row.far, "gap"), ("height", row.height, "bar")):
             if (value is None) != (name in self.parameters):
                 raise fault(f'obstacle.{key}: expected it, or "{name}" in "asks", and not both')
-        why = wrong_shape(*row.ends(self._default_jump()))
+        why = wrong_shape(*row.ends(self.default_jump()))
         if why:
             raise fault(f"obstacle: {why}")
         return self
 
-    def _default_jump(self) -> Jump:
+    def default_jump(self) -> Jump:
+        """A request of its defaults."""
         values: dict[str, Any] = {**self.defaults}
         return replace(Jump(), **values)
 
@@ -153,7 +154,7 @@ class JumpType(Table):
 
         Raises `InputError`: it has no such feet, or the phases are no schedule.
         """
-        jump = jump or self._default_jump()
+        jump = jump or self.default_jump()
         hops = jump.jumps
         if self.passes:
             hops = 2 if "front" in _groups(robot) else 1

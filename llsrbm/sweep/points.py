@@ -24,7 +24,7 @@ from llsrbm.request.messages import choices, look_up
 from llsrbm.robots import load_robot
 from llsrbm.sweep.spec import COUNTED, ROBOT_RANGES, Ranges, Spec
 
-REQUEST = tuple(n for n in Jump.__dataclass_fields__ if n not in ("payload", "stones"))
+REQUEST = tuple(n for n in Jump.__dataclass_fields__ if n not in ("payload", "stones", "route"))
 """The fields of a jump that a sweep varies or states."""
 
 MOST_ROWS = 10**8
