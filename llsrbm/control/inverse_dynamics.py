@@ -69,6 +69,7 @@ class InverseDynamics:
         self._faces = np.array([[1, 0, -mu], [-1, 0, -mu], [0, 1, -mu], [0, -1, -mu]])
         self._programs: dict[int, Qp] = {}  # by the number of points that push
         self._pyramids: dict[int, Array] = {}  # (points, 3) the normals that each has
+        self._level = body.normals  # before anything slopes
         self._joints = slice(-joints, None)  # of a program's inequalities
         self._zero = Command(np.zeros(joints), np.zeros(n), np.zeros((contacts, 3)), solved=False)
         self._last = self._zero
@@ -132,6 +133,7 @@ class InverseDynamics:
         if points not in self._programs:
             n, pyramid = self._n, 4 * points
             qp = Qp.zeros(n + 3 * points, _BASE, pyramid + n - _BASE)
+            qp.C[:pyramid, n:] = np.kron(np.eye(points), self._faces)
             qp.upper[:pyramid] = 0.0
             self._programs[points] = qp
         return self._programs[points]
@@ -139,6 +141,8 @@ class InverseDynamics:
     def _set_pyramids(self, qp: Qp, contact: BoolArray) -> None:
         """Turn the friction pyramids of points that push to what they push on, where it changed."""
         normals = self._body.normals
+        if normals is self._level:  # all alike: as they were set
+            return
         points = normals.repeat(len(contact) // len(normals), axis=0)[contact]
         known = self._pyramids.get(len(points))
         if known is not None and np.array_equal(known, points):
