@@ -28,6 +28,7 @@ from llsrbm.mechanics import (
     rotation_matrices,
     turns_about_z,
 )
+from llsrbm.motion.footprints import MARGIN, ROOM, Rectangle, around, avoiding, common, meet
 from llsrbm.motion.grounds import place_headings
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
@@ -38,8 +39,6 @@ from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
-ROOM = 0.01  # m at least between an edge's two sides: feet that stand on it and feet beside it
-MARGIN = 0.25  # m of landing box or start block around the feet: a robot may miss by that much
 # Where the edge between feet beside a block and feet on it may be, as shares of their distance: in
 # the middle, or so far that a trunk leaning over it before lift-off has room.
 SLOPING = 0.08  # m of a block that slopes, likewise: its upper edge stands out
@@ -131,9 +130,9 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
         on = [block for block in blocks if block.name == "box" and plan.obstacle is None]
         half = on[0].size[:2] / 2 if on else np.full(2, BOARD / 2)
         middle = _turn(last.heading).T @ on[0].centre[:2] if on else goal.mean(axis=0)
-        board = _Rectangle(middle - half, middle + half)
+        board = Rectangle(middle - half, middle + half)
         if scenario.half_board:
-            board = _Rectangle(np.array([goal[:, 0].mean(), board.low[1]]), board.high)
+            board = Rectangle(np.array([goal[:, 0].mean(), board.low[1]]), board.high)
         top = last.height + scenario.board
         blocks.append(_block(last, "board", board, last.height, top, _mid_flight(plan, last)))
     return Surroundings(ground=ground, blocks=tuple(blocks))
@@ -155,14 +154,6 @@ def check_board(plan: Plan, height: float) -> None:
             f"board: expected 0 to {largest:.3f} m, what passes under the planned feet in "
             f"mid-flight, got {height:g} m"
         )
-
-
-@dataclass(frozen=True, eq=False)
-class _Rectangle:
-    """Seen from above, axes along a heading: corners `low` and `high`, (2,) m."""
-
-    low: Array
-    high: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,10 +218,10 @@ def _standing(
     lower = [place.seen(other.points) for other in places if _in_the_way(other, place)]
     narrow: Block | None = None
     for share in EDGES:
-        footprint: _Rectangle | None = _around(points, margin)
+        footprint: Rectangle | None = around(points, margin)
         for beside in lower:
-            apart = _avoiding(points, beside.reshape(-1, corners, 2), radius, share)
-            footprint = None if footprint is None or apart is None else _common(footprint, apart)
+            apart = avoiding(points, beside.reshape(-1, corners, 2), radius, share)
+            footprint = None if footprint is None or apart is None else common(footprint, apart)
         if footprint is not None:
             block = _block(place, name, footprint, ground, place.height)
             on_feet, until_half_way = _beside(plan, places, k)
@@ -242,7 +233,7 @@ def _standing(
             narrow = narrow or block
     if narrow is not None:
         return narrow
-    block = _block(place, name, _around(points, margin), ground, place.height)
+    block = _block(place, name, around(points, margin), ground, place.height)
     # Of any place but the last it has to make room for a lower one that follows, too.
     goes = any(_in_the_way(other, place) for other in places[k + 1 :])
     return replace(
@@ -256,9 +247,13 @@ def _lowest(place: _Place) -> float:
     """m: of a place's surface, as far as its block goes."""
     if not place.slopes:
         return place.height
-    around = _around(place.seen(place.points), SLOPING)
+    footprint = around(place.seen(place.points), SLOPING)
     corners = np.array(
-        [[x, y] for x in (around.low[0], around.high[0]) for y in (around.low[1], around.high[1])]
+        [
+            [x, y]
+            for x in (footprint.low[0], footprint.high[0])
+            for y in (footprint.low[1], footprint.high[1])
+        ]
     )
     return float(place.top(corners @ _turn(place.heading).T).min())
 
@@ -279,12 +274,12 @@ def _stones(robot: Robot, plan: Plan, places: Sequence[_Place], radius: float) -
         foot = plan.schedule.legs.index(leg)
         own, others = feet[foot], np.delete(feet, foot, axis=0).reshape(-1, 2)
         apart = np.abs(others[:, None] - own).max(axis=-1).min() / 2
-        footprint = _around(own, float(min(radius + STEP, apart)))
+        footprint = around(own, float(min(radius + STEP, apart)))
         block = _block(place, f"stone {leg}", footprint, place.height, place.height + dz)
         before, until_half_way = _beside(plan, places, len(places) - 1)
         room = radius + ROOM
         if (
-            _meet(place.seen(start.points), footprint.low - room, footprint.high + room)
+            meet(place.seen(start.points), footprint.low - room, footprint.high + room)
             or _trunk_inside(robot, plan, block)
             or _links_inside(robot, plan, block, before | until_half_way)
         ):
@@ -367,56 +362,10 @@ def _turn(heading: float) -> Array:
     return turns_about_z(heading)[:2, :2]
 
 
-def _common(one: _Rectangle, other: _Rectangle) -> _Rectangle:
-    return _Rectangle(np.maximum(one.low, other.low), np.minimum(one.high, other.high))
-
-
-def _around(points: Array, margin: float) -> _Rectangle:
-    return _Rectangle(points.min(axis=0) - margin, points.max(axis=0) + margin)
-
-
-def _avoiding(points: Array, feet: Array, radius: float, share: float) -> _Rectangle | None:
-    """A rectangle around `points` (C, 2), as wide as `MARGIN`, beside the `feet` (L, c, 2) of
-    another place.
-
-    Each foot keeps to its side of the edge that it is planned to cross: of the four that with the
-    widest gap. None if there is no room for the robot that stands on the other feet.
-    """
-    low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
-    others, apart = feet.reshape(-1, 2), radius + ROOM
-    if _meet(others, low - apart, high + apart):
-        return None
-    found = _around(points, MARGIN)
-    for foot in feet:
-        gaps = np.array([low - foot.max(axis=0), foot.min(axis=0) - high]) - radius
-        if gaps.max() < 0:
-            return None
-        beyond, axis = np.unravel_index(gaps.argmax(), gaps.shape)
-        room = (1 - share) * gaps[beyond, axis]
-        if beyond:
-            found.high[axis] = min(found.high[axis], high[axis] + room)
-        else:
-            found.low[axis] = max(found.low[axis], low[axis] - room)
-    return None if _meet(others, found.low - radius, found.high + radius) else found
-
-
-def _meet(points: Array, low: Array, high: Array) -> bool:
-    """Whether the convex hull of points (C, 2), which a robot stands over, meets a rectangle.
-
-    Unless an axis separates them: one of the rectangle's, or across a line between two points.
-    """
-    corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
-    lines = (points[:, None] - points)[~np.eye(len(points), dtype=bool)]
-    across = np.concatenate([[[1, 0], [-1, 0], [0, 1], [0, -1]], lines[:, ::-1] * [1, -1]])
-    across = across[across.any(axis=1)]  # two points may be one
-    gaps = (across @ points.T).min(axis=1) - (across @ corners.T).max(axis=1)
-    return bool((gaps < 0).all())
-
-
 def _block(
     place: _Place,
     name: str,
-    footprint: _Rectangle,
+    footprint: Rectangle,
     bottom: float,
     top: float,
     from_s: float = 0.0,
