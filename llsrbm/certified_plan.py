@@ -93,7 +93,7 @@ class CertifiedPlanner:
             return None
         robot = with_strength(self.robot or load_robot(task.jump.robot))
         counts = layout_of(task.jump, robot, intervals).intervals
-        if task.jump.singly:
+        if _lands_and_goes_on(task):
             begun = self._through(task, robot, counts)
         else:
             begun = planned(task, robot, counts, cancelled=self.cancelled, progress=self.progress)
@@ -103,7 +103,7 @@ class CertifiedPlanner:
     def _through(self, task: Task, robot: Robot, counts: Sequence[int]) -> Plan | None:
         """The plan of several jumps in a row, begun from the table's plans of each by itself."""
         parts = []
-        for jump in task.jump.singly:
+        for jump in task.jump.singly(task.displacement or [None] * task.schedule.places):
             part = self.from_table(retargeted(task, jump))
             if part is None:
                 return None
@@ -135,6 +135,16 @@ class CertifiedPlanner:
             cancelled=self.cancelled,
             progress=self.progress,
         )
+
+
+def _lands_and_goes_on(task: Task) -> bool:
+    """Whether it is several jumps in a row, each from all feet to all feet, from rest to rest."""
+    jump, together = (
+        task.jump,
+        all(len(p.feet) in (0, len(task.schedule.legs)) for p in task.schedule),
+    )
+    still = not (jump.turns or jump.speed or jump.end_speed)
+    return task.schedule.places > 1 and together and still
 
 
 def may_hold_elsewhere(plan: Plan) -> bool:

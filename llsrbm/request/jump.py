@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
@@ -237,21 +238,31 @@ class Jump:
         """Number of jumps in a row."""
         return len(self.route) or self.hops
 
-    @property
-    def singly(self) -> tuple[Jump, ...]:
-        """The jumps of a row, each by itself; () of other types."""
-        if self.type != IN_A_ROW or self.jumps < 2:
-            return ()
-        plain = replace(self, type=PLAIN, hops=1, route=(), stones=())
+    def singly(self, displacement: Sequence[object]) -> tuple[Jump, ...]:
+        """The jumps of a row, each by itself, of plain ones.
+
+        `displacement`: where each leads, by the names of its fields; what is None is the request's.
+        """
+        plain = replace(
+            self,
+            type=PLAIN,
+            hops=1,
+            route=(),
+            stones=(),
+            gap=0.0,
+            bar=0.0,
+            speed=0.0,
+            end_speed=0.0,
+        )
         slope, cross_slope = self.takeoff_slope, self.takeoff_cross_slope
         found = []
-        for landing in self.route or [None] * self.jumps:
-            own: dict[str, Any] = {} if landing is None else landing._asdict()
+        for landing in displacement:
+            told = {name: getattr(landing, name, None) for name in (*COMPONENTS, *SLOPES)}
+            own: dict[str, Any] = {name: value for name, value in told.items() if value is not None}
             one = replace(plain, **own, takeoff_slope=slope, takeoff_cross_slope=cross_slope)
             slope, cross_slope = one.slope, one.cross_slope
             found.append(one)
-        *_, end = found
-        return (*found[:-1], replace(end, stones=self.stones))
+        return (*found[:-1], replace(found[-1], stones=self.stones))
 
     def on_ground(self, share: float) -> Jump:
         """The same jump with slopes and stones of a share of their size; 0: on level ground."""

@@ -90,8 +90,8 @@ def test_a_route_alone_says_where_to_jump():
 
 
 def test_a_row_of_jumps_is_so_many_by_themselves_each_from_the_slope_before():
-    first, second = Jump(robot="go2", route=ROUTE, takeoff_slope=0.1).singly
+    first, second = Jump(robot="go2", route=ROUTE, takeoff_slope=0.1).singly(ROUTE)
     assert first == Jump(robot="go2", forward=0.3, takeoff_slope=0.1)
     assert second == Jump(robot="go2", forward=0.2, height=0.1, twist=0.5, slope=0.2)
-    assert Jump(type="hops", hops=2, forward=0.2).singly == (Jump(forward=0.2),) * 2
-    assert Jump(forward=0.2).singly == Jump(type="over-gap", gap=0.2).singly == ()
+    two = Jump(type="hops", hops=2, forward=0.2).singly([None, None])
+    assert two == (Jump(forward=0.2),) * 2

@@ -25,7 +25,7 @@ SAME = 2e-3  # m
 def row():
     """A task, and plans of its jumps one after the other."""
     task = make_task(ROUTE, ROBOT)
-    parts = [llsrbm.plan(retargeted(task, one).jump) for one in ROUTE.singly]
+    parts = [llsrbm.plan(retargeted(task, one).jump) for one in ROUTE.singly(ROUTE.route)]
     return task, parts, joined(task, unplanned(task, ROBOT, "fatrop"), parts)
 
 
