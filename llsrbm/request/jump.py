@@ -257,8 +257,10 @@ class Jump:
         slope, cross_slope = self.takeoff_slope, self.takeoff_cross_slope
         found = []
         for landing in displacement:
-            asked = {name: getattr(landing, name, None) for name in (*COMPONENTS, *SLOPES)}
-            own: dict[str, Any] = {name: value for name, value in asked.items() if value is not None}
+            amounts = {name: getattr(landing, name, None) for name in (*COMPONENTS, *SLOPES)}
+            own: dict[str, Any] = {
+                name: value for name, value in amounts.items() if value is not None
+            }
             one = replace(plain, **own, takeoff_slope=slope, takeoff_cross_slope=cross_slope)
             slope, cross_slope = one.slope, one.cross_slope
             found.append(one)
