@@ -130,7 +130,7 @@ class RowBounds:
         braked = braking / 2 * self._progress[2][half] ** 2
         coming = after + np.minimum(min(BRAKED_FROM, task.limits.clearance), braked)
         line = np.where(progress[0] > 0.5, np.maximum(line, coming), line)
-        if task.obstacle is not None:
+        if task.obstacle is not None and not task.obstacle.is_gap:  # nothing is above a gap
             line = np.maximum(line, self.start.place[half, :, 2])
         line = line + self._sloping(half, phase)
         # How far it is above the lower of the places that it comes from and goes to.
