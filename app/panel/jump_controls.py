@@ -109,8 +109,14 @@ SLIDERS = (
 
 _STEEP = math.degrees(STEEPEST)
 SLOPES = tuple(
-    _slider(label, f"Angle by which the {surface} surface rises {way}", name, 1.0, steep, _DEG)
-    for steep in ((-_STEEP, _STEEP),)
+    _slider(
+        label,
+        f"Angle by which the {surface} surface rises {way}",
+        name,
+        1.0,
+        (-_STEEP, _STEEP),
+        _DEG,
+    )
     for label, surface, way, name in (
         ("Landing slope [deg]", "landing", "ahead, as the robot looks that lands", "slope"),
         ("Landing cross slope [deg]", "landing", "to the left, likewise", "cross_slope"),

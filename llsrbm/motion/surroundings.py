@@ -39,10 +39,10 @@ from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
+SLOPING = 0.08  # m of a block that slopes around the feet: its upper edge stands out
+THICKER = 0.05  # m that it reaches into the ground
 # Where the edge between feet beside a block and feet on it may be, as shares of their distance: in
 # the middle, or so far that a trunk leaning over it before lift-off has room.
-SLOPING = 0.08  # m of a block that slopes, likewise: its upper edge stands out
-THICKER = 0.05  # m that it reaches into the ground
 EDGES = (0.5, 0.8)
 TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
 STEP = 0.04  # m of a stone around its foot, where other feet of its place leave as much

@@ -19,7 +19,7 @@ from llsrbm.robots.feet import foot_contacts
 
 SHINS = (1 / 3, 2 / 3)  # of the way from knee to foot, points that are looked at
 LEG_ROOM = 0.03  # m, as much of a leg lies on either side of its knee, and of these
-_ROUNDED = 1e-6  # m
+_ROUNDED = 1e-6  # m, of feet that stand exactly as near as they may
 STATIONS = 3  # cross-sections of the trunk's box whose corners are looked at
 FAR = 100.0  # m, where the obstacle is that is none
 
