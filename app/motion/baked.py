@@ -12,6 +12,7 @@ from llsrbm.look.shown_motion import ShownMotion, shown_motion, shown_ticks
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.surroundings import ground_under
 from llsrbm.motion.whole_body import (
     WholeBodyMotion,
     motion_at_ticks,
@@ -38,6 +39,7 @@ class PlannedMotion:
     # (3,) m and rigid_wxyz: (F, 4): ellipsoid of the constant inertia that SRBM has
     rigid_axes: Array
     rigid_wxyz: Array
+    ground: float  # m: its height under everything that the robot stands on
 
 
 def presentable(plan: Plan) -> bool:
@@ -53,7 +55,14 @@ def bake_plan(plan: Plan, robot: Robot, rate: float = FRAME_RATE) -> PlannedMoti
     rigid_axes, rigid_turn = ellipsoid(robot.inertia[None], robot.mass, np.eye(3)[None])
     rigid = base * Rotation.from_quat(rigid_turn[0], scalar_first=True)
     frames = shown_motion(motion, plan.schedule)
-    return PlannedMotion(plan, motion, frames, rigid_axes[0], rigid.as_quat(scalar_first=True))
+    return PlannedMotion(
+        plan,
+        motion,
+        frames,
+        rigid_axes[0],
+        rigid.as_quat(scalar_first=True),
+        ground_under(plan),
+    )
 
 
 @dataclass(frozen=True, eq=False)

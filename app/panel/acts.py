@@ -100,6 +100,19 @@ class Act(Enum):
     RESET_FOOTHOLDS = Button(
         "footholds", "Reset footholds", "Have every foot land where it does by itself"
     )
+    DRAW_ROUTE = Button(
+        "route",
+        "Draw route",
+        "Click the ground where the robot shall land, one landing after the other",
+    )
+    STOP_DRAWING = Button("route", "Stop drawing", "Have clicks in the picture add no landings")
+    ADD_LANDING = Button(
+        "route", "Add landing", "Have the robot jump on from its last landing, straight ahead"
+    )
+    REMOVE_LANDING = Button(
+        "route", "Remove landing", "Leave out the landing above; the others stay where they are"
+    )
+    REMOVE_ROUTE = Button("route", "Remove route", "Have the route's first jump alone")
     ADD_CHART = Button(
         "add chart",
         "Add chart",

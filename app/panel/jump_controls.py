@@ -16,6 +16,7 @@ from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
     extra_fields,
     landing_fields,
+    surface_fields,
     title_of_type,
     turn_title,
     turns_offered,
@@ -23,11 +24,12 @@ from app.panel.jump_types import (
     types_offered,
     with_turn,
 )
+from app.panel.route_controls import RouteControls
 from app.viser_private import uuid_of
 from llsrbm import models
 from llsrbm.look.titles import title_of_model
 from llsrbm.request import jump_types
-from llsrbm.request.jump import ARMS, COMPONENTS, INCLINES, Jump
+from llsrbm.request.jump import ARMS, COMPONENTS, Jump
 from llsrbm.request.jump_types import JumpType
 from llsrbm.request.route import MOST, STEEPEST
 from llsrbm.robots import Robot, RobotFile
@@ -65,7 +67,9 @@ def _slider(
         ends=ends or of_task,
         step=step,
         slider=True,
-        there=lambda jump: name in (*landing_fields(jump), *extra_fields(jump), *INCLINES),
+        there=lambda jump: (
+            name in (*landing_fields(jump), *extra_fields(jump), *surface_fields(jump))
+        ),
     )
 
 
@@ -176,6 +180,7 @@ class JumpControls:
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
         self.footholds = FootholdControls(gui, jump, acted)
+        self.route = RouteControls(gui, jump, acted)
         self._fields.add(TURN)
         self.buttons: Buttons = {}  # each beside the slider that follows it
         for field in SLIDERS:
@@ -213,7 +218,12 @@ class JumpControls:
     @property
     def hints(self) -> dict[str, tuple[str, str]]:
         """As `Fields.hints`."""
-        return {**self._fields.hints, **self.whole_body.hints, **self.footholds.hints}
+        return {
+            **self._fields.hints,
+            **self.whole_body.hints,
+            **self.footholds.hints,
+            **self.route.hints,
+        }
 
     @property
     def model(self) -> Any:
@@ -228,8 +238,9 @@ class JumpControls:
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request with what was moved, and what had to be corrected."""
         jump, complaints = self._fields.read(current, self._about(current))
-        jump, others = self.footholds.read(jump)
-        return jump, [*complaints, *others]
+        jump, of_feet = self.footholds.read(jump)
+        jump, of_route = self.route.read(jump)
+        return jump, [*complaints, *of_feet, *of_route]
 
     @property
     def how_far(self) -> list[tuple[str, str]]:
@@ -250,6 +261,7 @@ class JumpControls:
         for name, act in HOW_FAR.items():
             self.buttons[act].visible = name in landing_fields(jump)
         self.footholds.show(jump, robot)
+        self.route.show(jump)
         drawn_of = (robot, jump.type, jump.jumps, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
             self._drawn_of = drawn_of

@@ -7,8 +7,9 @@ from typing import Any
 
 from llsrbm.errors import InputError
 from llsrbm.request import jump_types
-from llsrbm.request.jump import COMPONENTS, PLAIN, Jump
+from llsrbm.request.jump import COMPONENTS, INCLINES, PLAIN, Jump
 from llsrbm.request.jump_types import JumpType, with_defaults
+from llsrbm.request.route import SLOPES
 from llsrbm.robots import Robot
 
 _TURNS: dict[str, tuple[str, float]] = {
@@ -65,6 +66,11 @@ def landing_fields(jump: Jump) -> tuple[str, ...]:
     kind = jump_types.names().get(jump.type)
     passes = kind is not None and kind.passes
     return tuple(name for name in COMPONENTS if not (passes and name == "forward"))
+
+
+def surface_fields(jump: Jump) -> tuple[str, ...]:
+    """Fields that say how surfaces slope; of a route the take-off's alone: landings say theirs."""
+    return tuple(name for name in INCLINES if not (jump.route and name in SLOPES))
 
 
 def extra_fields(jump: Jump) -> tuple[str, ...]:

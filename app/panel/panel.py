@@ -107,6 +107,8 @@ class Panel:
                 self.buttons |= self.jump.footholds.add()
             with gui.add_folder("Slopes", expand_by_default=False):
                 self.jump.add_slopes()
+            with gui.add_folder("Route", expand_by_default=False):
+                self.buttons |= self.jump.route.add()
             with gui.add_folder("Limits", expand_by_default=False):
                 self.jump.add_payload()
                 self.tuning = TuningControls(gui, put)

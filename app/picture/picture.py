@@ -51,7 +51,7 @@ class Picture:
     # alone
     row: tuple[Standing, ...] = ()
     layers: frozenset[str] = frozenset()  # names of the overlays that are drawn
-    target: Jump | None = None  # where the landing handle stands
+    target: Jump | None = None  # where the landings' handles stand
     night: bool = False  # a dark ground and dim light
     fine: bool = False  # with all triangles: the browser has a graphics processor
     still: bool = False  # the motion stands: the robot has all triangles in any browser
@@ -77,11 +77,7 @@ class Picture:
     @property
     def ground(self) -> float:
         """Height of the ground, m: a landing below the start, or a gap, moves it down."""
-        if self.planned is None:
-            return 0.0
-        plan = self.planned.plan
-        deepest = 0.0 if plan.obstacle is None else plan.obstacle.height
-        return min(plan.jump.height, deepest, 0.0)
+        return 0.0 if self.planned is None else self.planned.ground
 
 
 def changed_parts(before: Picture, after: Picture) -> frozenset[str]:

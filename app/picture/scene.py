@@ -11,6 +11,7 @@ from app.picture.lighting import Lighting
 from app.picture.overlays import OVERLAYS
 from app.picture.picture import Picture, changed_parts
 from app.picture.robot_nodes import ContactShadow, SolidRobot
+from app.picture.route_path import RoutePath
 from app.picture.row import Row
 from llsrbm.arrays import Array
 
@@ -32,6 +33,7 @@ class Scene:
             self._robot,
             ContactShadow(scene),
             Blocks(scene),
+            RoutePath(scene),
             self._row,
         )
         self._overlays: dict[str, Overlay] = {}

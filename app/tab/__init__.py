@@ -13,6 +13,7 @@ from app.tab import (
     plotting,
     pushing,
     robot_simulator,
+    routing,
     shaping,
     simulating,
 )
@@ -36,6 +37,7 @@ __all__ = [
     "requests",
     "robot",
     "robot_simulator",
+    "routing",
     "shaping",
     "simulating",
 ]

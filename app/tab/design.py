@@ -12,7 +12,7 @@ from app.panel.jump_types import with_type
 from app.panel.tuning import entries_of
 from app.panel.view_controls import View
 from app.picture.foothold_handles import FootholdDragged
-from app.picture.landing_handle import LandingDragged
+from app.picture.landing_handles import LandingDragged
 from app.tab.acts import Corrected, Step, also, keeps, on, reads, update
 from app.tab.effects import Notify, Share, ShowGallery, ShowHelp, ShowTuning
 from app.tab.planning.known import answer_of, show_again, with_answer
@@ -37,7 +37,7 @@ def choose_jump(state: TabState, jump: Jump) -> Step:
         # A request of the other robot is not for this one, but for the type of jump.
         other = _on_another_robot(jump, state)
         note = "" if _alike(other, jump) else _OTHER_SLIDERS.format(state.robots[jump.robot].title)
-        state, design = replace(state, note=note), Design(other)
+        state, design = replace(state, note=note, drawing=None), Design(other)
     else:
         if jump.type != design.jump.type:
             jump = with_type(jump, jump.type)
@@ -66,7 +66,9 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
 
 @on(LandingDragged)
 def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
-    """Plan a jump to where the landing handle was dragged."""
+    """Plan a jump to where a landing's handle was dragged."""
+    if dragged.begins:  # what was dragged before is a step of its own
+        state = replace(state, history=replace(state.history, changing=()))
     return choose_jump(state, dragged.applied_to(state.design.jump, state.ends))
 
 
@@ -160,7 +162,8 @@ def choose_example(state: TabState, event: ExampleChosen) -> Step:
 @on(Design)
 def choose_design(state: TabState, design: Design) -> Step:
     """Plan an example."""
-    return plan_or_keep(remember(replace(state, note=design.note), design, settled=True))
+    state = replace(state, note=design.note, drawing=None)
+    return plan_or_keep(remember(state, design, settled=True))
 
 
 @on(Act.SHARE)

@@ -9,7 +9,7 @@ from typing import Any
 from app.link import ApexDragged, PageReady, PhasesDragged, PushDragged
 from app.panel.acts import Act, Button
 from app.picture.foothold_handles import FootholdMoved
-from app.picture.landing_handle import HandleMoved
+from app.picture.landing_handles import HandleMoved
 
 
 class End(Enum):
@@ -82,8 +82,8 @@ def _outdated(before: Any, after: Any) -> bool:
     match before, after:
         case Act(), Act():  # controls are read as they stand when the act is taken
             return before is after and not isinstance(before.value, Button)
-        case HandleMoved(), HandleMoved():
-            return True
+        case HandleMoved(landing=landing, begins=begins), HandleMoved(landing=other):
+            return landing == other and not begins and before.held
         case FootholdMoved(foot=foot, begins=begins), FootholdMoved(foot=other):
             return foot == other and not begins and before.held
         case PushDragged(ended=ended), PushDragged():

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import viser
@@ -15,7 +14,8 @@ from app.panel.panel import Panel
 from app.panel.view_controls import configure_theme
 from app.picture.drawing import Meaning
 from app.picture.foothold_handles import FootholdHandles
-from app.picture.landing_handle import LandingHandle
+from app.picture.ground_clicks import GroundClicks
+from app.picture.landing_handles import LandingHandles
 from app.picture.overlays import OVERLAYS
 from app.picture.overlays.inertia_ellipsoids import InertiaEllipsoids
 from app.picture.overlays.landing_marks import LandingMarks
@@ -30,6 +30,7 @@ from app.tab.contenders import Comparing, Contender, card
 from app.tab.planning.feasible import Tint
 from app.tab.plotting import layers_of, titles
 from app.tab.pushing import push_shown
+from app.tab.routing import DRAWING
 from app.tab.shaping import handles_of
 from app.tab.simulating import status_of
 from app.tab.start.preferences import preferences
@@ -74,11 +75,14 @@ class Rendering:
         self._tint = Tint(link, self.panel.jump.tinted)
         self._plots = Plots(client, self.panel.plots.watched)
         self._scene = Scene(client)
-        self.handle = LandingHandle(client, put)  # where to land, in the picture
-        paint = partial(link.call, "handles.paint")
-        paint(LandingHandle.node, colours.TARGET)
-        # and where single feet land
-        self.footholds = FootholdHandles(client, put, lambda node: paint(node, colours.TARGET))
+
+        def paint(node: str) -> None:
+            link.call("handles.paint", node, colours.TARGET)
+
+        # where to land, in the picture, and where single feet land
+        self.handles = LandingHandles(client, put, paint)
+        self.footholds = FootholdHandles(client, put, paint)
+        self._clicks = GroundClicks(client, put)
         self._push = PushHandle(client)
         self._drawn: TabState | None = None
         self._layers: tuple[Layer, ...] = ()
@@ -173,7 +177,9 @@ class Rendering:
         handles = handles_of(state)
         if self._changed("handles", handles):
             self._link.call("shaping.show", handles and handles.plain())
-        remark = "" if state.comparing else state.remark
+        drawing = state.drawing is not None and not state.comparing
+        self._clicks.draw(wanted=drawing)
+        remark = DRAWING if drawing else "" if state.comparing else state.remark
         legend = legend_of(picture)
         if self._changed("legend", legend):
             self._link.call("legend.show", [(css(colour), words) for colour, words in legend])
@@ -182,7 +188,7 @@ class Rendering:
         robot = state.robot if state.ready else None
         visible = LandingMarks.name in picture.layers and state.shown is not None
         appears = self._scene.appeared
-        appears |= self.handle.draw(state.design.jump, robot, visible=visible)
+        appears |= self.handles.draw(state.design.jump, robot, visible=visible)
         appears |= self.footholds.draw(state.design.jump, robot, visible=visible)
         if self._push.draw(None if picture.row else push_shown(state)) or appears:
             self._link.call("player.settle")

@@ -24,7 +24,7 @@ from app.link import AtlasClicked, ClipTaken, PageLink, PageReady
 from app.panel.acts import Act
 from app.panel.status import Status, Verdict
 from app.picture.foothold_handles import FootholdMoved
-from app.picture.landing_handle import HandleMoved
+from app.picture.landing_handles import HandleMoved
 from app.tab.acts import Step, event_of, update
 from app.tab.atlas import Atlases
 from app.tab.effects import Effect, Notify, Outside, Queue, RobotLoaded, loaded
@@ -235,7 +235,7 @@ class Session:
             case Act():
                 return event_of(item, self.state, self._rendering.panel)
             case HandleMoved():
-                return self._rendering.handle.read(item)
+                return self._rendering.handles.read(item)
             case FootholdMoved():
                 return self._rendering.footholds.read(item)
             case ClipTaken():

@@ -202,6 +202,8 @@ class TabState:
     tickets: int = 0  # jobs so far; the next one gets the next number
     note: str = ""  # on what was opened or chosen, beside the examples
     page: bool = False  # the page's scripts have answered
+    # the request as it was when its route began to be drawn by clicks; None: none is drawn
+    drawing: Jump | None = None
 
     @property
     def seen(self) -> Shown | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.request.jump import INCLINES, Jump
-from llsrbm.request.route import Landing
+from llsrbm.request.route import SLOPES, Landing
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import read_robot_file
@@ -172,8 +172,7 @@ def _task(jump: Jump) -> str:
     if not (task or jump.gap or jump.bar):
         task = "on the spot"
     if jump.route:
-        each = [" + ".join(_components(place)) or "on the spot" for place in jump.route]
-        task = f"route: {', '.join(each)}"
+        task = f"route: {', '.join(map(landing_words, jump.route))}"
     if jump.hops > 1:
         of = "of " if turns or _components(jump) else ""
         task = f"{jump.hops} hops {of}{task}"
@@ -189,6 +188,16 @@ def _task(jump: Jump) -> str:
     if jump.end_speed:
         task += f" to {jump.end_speed:g} m/s"
     return task
+
+
+def landing_words(landing: Landing) -> str:
+    """Where a landing of a route is: "30 cm forward + 10 cm up, slope 10°"."""
+    slopes = [
+        f", {name.replace('_', ' ')} {angle:g}°"
+        for name in SLOPES
+        if (angle := round(math.degrees(getattr(landing, name)), 1))
+    ]
+    return (" + ".join(_components(landing)) or "on the spot") + "".join(slopes)
 
 
 def _components(place: Jump | Landing) -> list[str]:

@@ -116,7 +116,7 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
     if plan.obstacle is not None:
         ground, blocks = _beside_obstacle(plan.obstacle, places)
     else:
-        ground = min(_lowest(place) for place in places)
+        ground = _lowest_of(places)
         blocks = []
         for k, place in enumerate(places):
             if place.height > ground:
@@ -136,6 +136,14 @@ def surroundings(robot: Robot, plan: Plan, scenario: Scenario) -> Surroundings:
         top = last.height + scenario.board
         blocks.append(_block(last, "board", board, last.height, top, _mid_flight(plan, last)))
     return Surroundings(ground=ground, blocks=tuple(blocks))
+
+
+def ground_under(plan: Plan) -> float:
+    """Height (m) of the ground under everything that a plan stands on and passes over."""
+    places = _places(plan)
+    if plan.obstacle is not None:
+        return _beside_obstacle(plan.obstacle, places)[0]
+    return _lowest_of(places)
 
 
 def check_board(plan: Plan, height: float) -> None:
@@ -241,6 +249,10 @@ def _standing(
         from_s=_mid_flight(plan, place) if k else 0.0,
         until_s=_highest(plan, places[k + 1].flight) if goes else math.inf,
     )
+
+
+def _lowest_of(places: Sequence[_Place]) -> float:
+    return min(_lowest(place) for place in places)
 
 
 def _lowest(place: _Place) -> float:

@@ -238,6 +238,25 @@ class Jump:
         """Number of jumps in a row."""
         return len(self.route) or self.hops
 
+    @property
+    def landings(self) -> tuple[Landing, ...]:
+        """Where it asks its jumps to lead, one after the other."""
+        return self.route or self.hops * (
+            Landing(*(getattr(self, name) for name in Landing._fields)),
+        )
+
+    def along(self, landings: Sequence[Landing]) -> Jump:
+        """The same robot along another route, without stones: they were of another last landing.
+
+        What had no route has its type's numbers no more: all feet push, and all land. A route of no
+        landing is a jump on the spot.
+        """
+        if self.route and len(landings) > 1:
+            return replace(self, stones=(), route=tuple(landings))
+        own: dict[str, Any] = dict.fromkeys((*COMPONENTS, *SLOPES), 0.0)
+        own |= {name: getattr(Jump, name) for name in TYPE_PARAMETERS}
+        return replace(self, **own, type=PLAIN, stones=(), route=tuple(landings))
+
     def singly(self, displacement: Sequence[object]) -> tuple[Jump, ...]:
         """The jumps of a row, each by itself, of plain ones.
 

@@ -11,8 +11,9 @@ A route's file is TOML, angles in degrees:
 
 import math
 import reprlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -41,6 +42,51 @@ class Landing(NamedTuple):
     # By which the surface rises ahead, and to the left, as the robot looks that lands there.
     slope: float = 0.0
     cross_slope: float = 0.0
+
+
+class Waypoint(NamedTuple):
+    """Where a robot stands on its route, in axes of the start: m, and rad about the vertical."""
+
+    x: float
+    y: float
+    z: float
+    heading: float
+
+
+START = Waypoint(0.0, 0.0, 0.0, 0.0)
+
+
+def waypoints(route: Iterable[Landing]) -> tuple[Waypoint, ...]:
+    """Where the robot stands after each landing of a route."""
+    found, here = [], START
+    for landing in route:
+        c, s = math.cos(here.heading), math.sin(here.heading)
+        here = Waypoint(
+            here.x + c * landing.forward - s * landing.lateral,
+            here.y + s * landing.forward + c * landing.lateral,
+            here.z + landing.height,
+            here.heading + landing.twist,
+        )
+        found.append(here)
+    return tuple(found)
+
+
+def through(places: Sequence[Waypoint], route: Sequence[Landing] = ()) -> tuple[Landing, ...]:
+    """The route whose landings stand at these places; with the slopes of another one's landings."""
+    found = []
+    for number, (before, there) in enumerate(pairwise((START, *places))):
+        c, s = math.cos(before.heading), math.sin(before.heading)
+        x, y = there.x - before.x, there.y - before.y
+        like = route[number] if number < len(route) else Landing()
+        found.append(
+            like._replace(
+                forward=c * x + s * y,
+                lateral=c * y - s * x,
+                height=there.z - before.z,
+                twist=there.heading - before.heading,
+            )
+        )
+    return tuple(found)
 
 
 @dataclass(frozen=True)

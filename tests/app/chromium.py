@@ -31,7 +31,16 @@ PANEL_LEFT = 940  # pixels; the picture is to the left of it
 NOTE = (330, 170)  # viser's note about software rendering covers this corner
 BASE = "/links/base"  # of the first robot that a page draws
 # of the panel; those below Details in one of its tabs
-FOLDERS = ("Scenario", "Details", "More overlays", "Footholds", "Slopes", "Limits", "Atlas")
+FOLDERS = (
+    "Scenario",
+    "Details",
+    "More overlays",
+    "Footholds",
+    "Slopes",
+    "Route",
+    "Limits",
+    "Atlas",
+)
 COMPARE = "Results"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 

@@ -26,7 +26,7 @@ class LandingMarks(Overlay):
     """A disc for a point foot, and a sole's outline turned as the sole shall be, at every landing.
 
     Steps and hurdles are translucent blocks, as long as no simulation has blocks of its own. The
-    landing handle and those of single feet (`app.picture.landing_handle`, `foothold_handles`) are
+    landing handle and those of single feet (`app.picture.landing_handles`, `foothold_handles`) are
     shown and hidden with the marks.
     """
 

@@ -5,7 +5,7 @@ import pytest
 from app.link import PushDragged
 from app.panel.acts import Act, Button
 from app.picture.foothold_handles import FootholdMoved
-from app.picture.landing_handle import HandleMoved
+from app.picture.landing_handles import HandleMoved
 from app.tab import acts
 from app.tab.inbox import End, Inbox
 from app.tab.planning.requests import Rested
@@ -72,7 +72,7 @@ def taken(*items):
     return inbox.take()
 
 
-GRABBED, LET_GO = HandleMoved(held=True), HandleMoved(held=False)
+GRABBED, LET_GO = HandleMoved(0, held=True), HandleMoved(0, held=False)
 GRIPPED, DRAGGED, LEFT = (
     FootholdMoved(0, held=held, begins=begins)
     for held, begins in ((True, True), (True, False), (False, False))
@@ -88,6 +88,7 @@ HELD, ENDED = (PushDragged(0.4, 1.0, 0.0, ended=ended) for ended in (False, True
         ([Act.JUMP, Act.JUMP, Act.UNDO, Act.JUMP], [Act.JUMP, Act.UNDO, Act.JUMP]),
         ([Act.UNDO, Act.UNDO], [Act.UNDO, Act.UNDO]),
         ([GRABBED, GRABBED, LET_GO, Act.UNDO], [LET_GO, Act.UNDO]),
+        ([GRABBED, HandleMoved(1, held=True)], [GRABBED, HandleMoved(1, held=True)]),
         ([HELD, HELD, ENDED, HELD], [ENDED, HELD]),
         ([GRIPPED, DRAGGED, DRAGGED, LEFT, GRIPPED], [GRIPPED, LEFT, GRIPPED]),
         ([DRAGGED, FootholdMoved(1, held=True)], [DRAGGED, FootholdMoved(1, held=True)]),
