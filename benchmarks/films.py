@@ -24,6 +24,7 @@ FILMS = {  # file -> example
     "box": "slider-box",
     "back_flip": "go2-back-flip",
     "pirouette": "g1-pirouette",
+    "course": "go2-course",
 }
 TUCK = "tuck"
 MODELS = ("llsrbm-plus", "srbm")  # from the left

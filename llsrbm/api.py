@@ -140,7 +140,7 @@ def largest(
         weights, limits, cancelled, progress: as of `plan`.
 
     Raises:
-        InputError: as of `plan`, a component that is none, and a jump that turns over.
+        InputError: as of `plan`, a component that is none, a route, and a jump that turns over.
         NotConverged: the request has no plan whose certificate holds, from which to begin.
     """
     plain = Drafting(

@@ -80,8 +80,11 @@ def _less(
 ) -> Plan | None:
     """The most of a draft's jump that is found when some components are reduced.
 
-    `tried`: all of it was, in vain; else it is at last, where three quarters are done.
+    `tried`: all of it was, in vain; else it is at last, where three quarters are done. There is no
+    less of a jump on the spot, nor of a route, whose landings alone say where it leads.
     """
+    if not any(getattr(draft.jump, name) for name in reduced):
+        return None
     found, done, failed = None, 0.0, 1.0
     for left in reversed(range(PROBES)):
         share = (done + failed) / 2

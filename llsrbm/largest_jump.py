@@ -249,6 +249,10 @@ def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
             "the largest jump is looked for among plans of the whole body, which are not made of "
             "jumps that turn over; expected no roll and no pitch"
         )
+    if jump.route:
+        raise InputError(
+            "route: its landings alone say where the jumps lead; expected a request without a route"
+        )
     way, limit = Search(jump, direction, drafting).run()
     *smaller, plan = (each.plan for each in way)
     value = direction.value(way[-1].steps)

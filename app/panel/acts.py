@@ -127,6 +127,7 @@ class Act(Enum):
     )
 
     JUMP = "jump"
+    ROUTE = "route"
     WHOLE_BODY = "whole body"
     SCENARIO = "scenario"
     AUTOMATIC = "automatic"

@@ -16,15 +16,14 @@ from app.panel.foothold_controls import FootholdControls
 from app.panel.jump_types import (
     extra_fields,
     landing_fields,
+    of_chosen_type,
     surface_fields,
     title_of_type,
     turn_title,
     turns_offered,
-    type_of_title,
     types_offered,
     with_turn,
 )
-from app.panel.route_controls import RouteControls
 from app.viser_private import uuid_of
 from llsrbm import models
 from llsrbm.look.titles import title_of_model
@@ -180,7 +179,6 @@ class JumpControls:
         self._fields.add(*self._menus)
         self._picture = gui.add_html(type_picture.EMPTY)
         self.footholds = FootholdControls(gui, jump, acted)
-        self.route = RouteControls(gui, jump, acted)
         self._fields.add(TURN)
         self.buttons: Buttons = {}  # each beside the slider that follows it
         for field in SLIDERS:
@@ -218,12 +216,7 @@ class JumpControls:
     @property
     def hints(self) -> dict[str, tuple[str, str]]:
         """As `Fields.hints`."""
-        return {
-            **self._fields.hints,
-            **self.whole_body.hints,
-            **self.footholds.hints,
-            **self.route.hints,
-        }
+        return {**self._fields.hints, **self.whole_body.hints, **self.footholds.hints}
 
     @property
     def model(self) -> Any:
@@ -238,9 +231,8 @@ class JumpControls:
     def read(self, current: Jump) -> tuple[Jump, list[str]]:
         """The request with what was moved, and what had to be corrected."""
         jump, complaints = self._fields.read(current, self._about(current))
-        jump, of_feet = self.footholds.read(jump)
-        jump, of_route = self.route.read(jump)
-        return jump, [*complaints, *of_feet, *of_route]
+        jump, others = self.footholds.read(jump)
+        return jump, [*complaints, *others]
 
     @property
     def how_far(self) -> list[tuple[str, str]]:
@@ -261,7 +253,6 @@ class JumpControls:
         for name, act in HOW_FAR.items():
             self.buttons[act].visible = name in landing_fields(jump)
         self.footholds.show(jump, robot)
-        self.route.show(jump)
         drawn_of = (robot, jump.type, jump.jumps, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
             self._drawn_of = drawn_of
@@ -298,7 +289,7 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
             "Jump type",
             "Contact schedule: which feet push, fly and land when",
             get=lambda jump: title_of_type(jump.type),
-            put=lambda jump, title: replace(jump, type=type_of_title(title, jump.type)),
+            put=of_chosen_type,
             options=lambda _, about: [kind.title for kind in about.types.values()],
         ),
         Field(

@@ -59,6 +59,16 @@ def with_type(jump: Jump, name: str) -> Jump:
     return replace(jump, **others)
 
 
+def of_chosen_type(jump: Jump, title: str) -> Jump:
+    """The request as one of the type with this title; a route that it cannot have ends early."""
+    name = type_of_title(title, jump.type)
+    kind = jump_types.names().get(name)
+    alone = kind is not None and not any(row.each_hop for row in kind.phase)
+    if name != jump.type and jump.route and alone:
+        jump = jump.along(jump.landings[:1])
+    return replace(jump, type=name)
+
+
 def landing_fields(jump: Jump) -> tuple[str, ...]:
     """Its fields that say where to land; none of a route, which says it itself."""
     if jump.route:

@@ -19,6 +19,7 @@ from app.panel.comparison import ComparisonControls
 from app.panel.file_controls import FileControls
 from app.panel.jump_controls import JumpControls
 from app.panel.plot_controls import PlotControls
+from app.panel.route_controls import RouteControls
 from app.panel.scenario_controls import ScenarioControls
 from app.panel.status import Status
 from app.panel.tuning import TuningControls
@@ -76,13 +77,20 @@ class Panel:
             self.scenario = ScenarioControls(gui, robots[design.jump.robot], put)
         self.files.add_export()
         with gui.add_folder("Details", expand_by_default=False):
-            self._add_details(gui, view, plots, sweeps, put)
-        groups = (self.jump, self.files, self.scenario, self.comparison, self.plots, self.tuning)
+            self._add_details(gui, design, view, plots, sweeps, put)
+        details = self.comparison, self.plots, self.route, self.tuning
+        groups = (self.jump, self.files, self.scenario, *details)
         for group in groups:
             self.buttons |= group.buttons
 
     def _add_details(
-        self, gui: viser.GuiApi, view: View, plots: PlotChoice, sweeps: Sequence[str], put: Put
+        self,
+        gui: viser.GuiApi,
+        design: Design,
+        view: View,
+        plots: PlotChoice,
+        sweeps: Sequence[str],
+        put: Put,
     ) -> None:
         """The rest, which a first jump does not need, in tabs."""
         tabs = gui.add_tab_group()
@@ -108,7 +116,7 @@ class Panel:
             with gui.add_folder("Slopes", expand_by_default=False):
                 self.jump.add_slopes()
             with gui.add_folder("Route", expand_by_default=False):
-                self.buttons |= self.jump.route.add()
+                self.route = RouteControls(gui, design.jump, put)
             with gui.add_folder("Limits", expand_by_default=False):
                 self.jump.add_payload()
                 self.tuning = TuningControls(gui, put)
@@ -143,6 +151,7 @@ class Panel:
         view, files, scenario = self.view, self.files, self.scenario
         return {
             **self.jump.hints,
+            **self.route.fields.hints,
             **scenario.fields.hints,
             **scenario.automatic.hints,
             **view.fields.hints,

@@ -20,10 +20,15 @@ _NONE = "No route yet: click its landings on the ground, or add one after this j
 
 
 class ChosenLanding(NamedTuple):
-    """A request, and the number of the landing that is shown, from 0."""
+    """A request, and the number of the landing that is shown, from 0; of no route it is 0."""
 
     jump: Jump
     number: int
+
+    @classmethod
+    def of(cls, jump: Jump, number: int) -> ChosenLanding:
+        """The landing of that number, or the last one."""
+        return cls(jump, max(0, min(number, len(jump.route) - 1)))
 
     def amount(self, name: str) -> float:
         """One of its numbers, SI."""
@@ -66,21 +71,13 @@ _M, _TURN, _STEEP = (
     (-round(_DEG * STEEPEST), round(_DEG * STEEPEST)),
 )
 NUMBERS: tuple[Field[ChosenLanding], ...] = (
+    _number("Ahead [m]", "How far ahead of where the robot stood before", "forward", 0.01, 1, _M),
+    _number("Left [m]", "How far to the left of where it stood before", "lateral", 0.01, 1, _M),
+    _number("Up [m]", "How much higher than where it stood before", "height", 0.01, 1, _M),
+    _number("Turn [deg]", "Turn on the way there, to the left", "twist", 1, _DEG, _TURN),
+    _number("Slope [deg]", "Angle by which that surface rises ahead", "slope", 1, _DEG, _STEEP),
     _number(
-        "Route forward [m]", "How far ahead of where the robot stood before", "forward", 0.01, 1, _M
-    ),
-    _number(
-        "Route lateral [m]", "How far to the left of where it stood before", "lateral", 0.01, 1, _M
-    ),
-    _number(
-        "Route height [m]", "How much higher than where it stood before", "height", 0.01, 1, _M
-    ),
-    _number("Route turn [deg]", "Turn on the way there, to the left", "twist", 1, _DEG, _TURN),
-    _number(
-        "Route slope [deg]", "Angle by which that surface rises ahead", "slope", 1, _DEG, _STEEP
-    ),
-    _number(
-        "Route cross slope [deg]",
+        "Cross [deg]",
         "Angle by which that surface rises to the left",
         "cross_slope",
         1,
@@ -94,42 +91,19 @@ class RouteControls:
     """The list of landings, a menu of them with its numbers, and buttons."""
 
     def __init__(self, gui: viser.GuiApi, jump: Jump, acted: Put) -> None:
-        self._gui, self._acted = gui, acted
-        self._chosen = ChosenLanding(jump, 0)
-        self._fields = Fields(gui, self._chosen, None, acted, Act.JUMP)
-
-    def add(self) -> Buttons:
         """Add them to the container that is open."""
-        self._list = self._gui.add_html(html.note(_NONE))
-        self._fields.add(LANDING, *NUMBERS)
-        return add_buttons(self._gui, "route", self._acted)
+        self._list = gui.add_html(landings_list(jump))
+        self.fields = Fields(gui, ChosenLanding(jump, 0), None, acted, Act.ROUTE)
+        self.fields.add(LANDING, *NUMBERS)
+        self.buttons: Buttons = add_buttons(gui, "route", acted)
+        self._jump = jump
 
-    @property
-    def hints(self) -> dict[str, tuple[str, str]]:
-        """As `Fields.hints`."""
-        return self._fields.hints
-
-    @property
-    def chosen(self) -> int:
-        """Number of the landing whose numbers are shown, from 0."""
-        return self._chosen.number
-
-    def read(self, jump: Jump) -> tuple[Jump, list[str]]:
-        """The request with what was moved, and what had to be corrected."""
-        self._chosen, complaints = self._fields.read(self._of(jump), None)
-        return self._chosen.jump, complaints
-
-    def show(self, jump: Jump) -> None:
-        """Put them where a request has them; of a route with other landings, at the last."""
-        if jump == self._chosen.jump and self._list.content:
-            return
-        others = len(jump.route) != len(self._chosen.jump.route)
-        self._chosen = ChosenLanding(jump, len(jump.route) - 1) if others else self._of(jump)
-        self._fields.show(self._chosen, None)
-        self._list.content = landings_list(jump)
-
-    def _of(self, jump: Jump) -> ChosenLanding:
-        return ChosenLanding(jump, max(0, min(self._chosen.number, len(jump.route) - 1)))
+    def show(self, chosen: ChosenLanding) -> None:
+        """Put them where a request has them."""
+        self.fields.show(chosen, None)
+        if chosen.jump != self._jump:
+            self._jump = chosen.jump
+            self._list.content = landings_list(chosen.jump)
 
 
 def landings_list(jump: Jump) -> str:

@@ -36,7 +36,8 @@ class RoutePath(Drawing):
         if not route:
             return ()
         places = waypoints(route)
-        ends = np.array([place[:3] for place in (START, *places)]) + [0.0, 0.0, _ABOVE]
+        ends = np.array([place[:3] for place in (START, *places)])
+        ends[:, 2] += _ABOVE
         points = np.stack([ends[:-1], ends[1:]], axis=1).astype(np.float32)
         if self._line is None:
             self._line = self.scene.add_line_segments(

@@ -42,6 +42,7 @@
   let known = new Map(); // what parts do, of the clip that is played
   let part = null; // that is pointed at, or kept
   let kept = false, asking = null, drawn = null, at = [0, 0];
+  let quiet = false; // clicks mean something else
   let rests = false; // whether the pointer is in the picture, with no button down
   let pressed = null; // where a button went down
   let pull = null, pulledAt = 0;
@@ -254,7 +255,7 @@
       event.stopImmediatePropagation();
       sendPull(where, true);
       pull = null;
-    } else if (pressed && inPicture(event)
+    } else if (pressed && !quiet && inPicture(event)
       && Math.hypot(where[0] - pressed[0], where[1] - pressed[1]) < CLICK) {
       const found = pick(where);
       kept = found !== null;
@@ -280,6 +281,11 @@
     forget() {
       known = new Map();
       ask();
+    },
+    // Whether clicks keep no answer, as they are landings of a route.
+    setQuiet(on) {
+      quiet = on;
+      if (on) release();
     },
     get pulls() { return pull !== null; },
   };

@@ -87,7 +87,12 @@ class Rendering:
         self._drawn: TabState | None = None
         self._layers: tuple[Layer, ...] = ()
         # name -> what was drawn of it last
-        self._last: dict[str, Any] = {"remark": "", "shortcuts": True, "night": False}
+        self._last: dict[str, Any] = {
+            "remark": "",
+            "shortcuts": True,
+            "night": False,
+            "drawing": False,
+        }
 
     def _changed(self, name: str, value: Any) -> bool:
         """Whether something is to be drawn that differs from what was drawn of that name."""
@@ -131,6 +136,7 @@ class Rendering:
             button.visible = is_visible(act, state)
         robot = state.robot if state.ready else None
         panel.jump.show(design.jump, robot, state.ends)
+        panel.route.show(state.chosen_landing)
         far = state.far
         sentence = "" if far is None else far.sentence(design)
         old = far is not None and not far.answers(design)
@@ -179,6 +185,8 @@ class Rendering:
             self._link.call("shaping.show", handles and handles.plain())
         drawing = state.drawing is not None and not state.comparing
         self._clicks.draw(wanted=drawing)
+        if self._changed("drawing", drawing):
+            self._link.call("parts.setQuiet", drawing)
         remark = DRAWING if drawing else "" if state.comparing else state.remark
         legend = legend_of(picture)
         if self._changed("legend", legend):
@@ -189,7 +197,9 @@ class Rendering:
         visible = LandingMarks.name in picture.layers and state.shown is not None
         appears = self._scene.appeared
         appears |= self.handles.draw(state.design.jump, robot, visible=visible)
-        appears |= self.footholds.draw(state.design.jump, robot, visible=visible)
+        # A click on a foot's square would be its own.
+        of_feet = visible and not drawing
+        appears |= self.footholds.draw(state.design.jump, robot, visible=of_feet)
         if self._push.draw(None if picture.row else push_shown(state)) or appears:
             self._link.call("player.settle")
 

@@ -1,9 +1,10 @@
 """Routes: landings clicked one after the other in the picture, added, moved and taken away."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from app.panel.acts import Act
+from app.panel.route_controls import ChosenLanding
 from app.picture.ground_clicks import GroundClicked
 from app.tab.acts import Step, also, on, reads
 from app.tab.design import choose_jump
@@ -20,11 +21,14 @@ _THERE = 0.05  # m from a landing: a click there is on its handle
 _ONWARDS = 0.5  # of the usual farthest jump forward: a landing that is added by its button
 
 
-@dataclass(frozen=True)
-class LandingRemoved:
-    """A landing of the route is not wanted any more, by its number."""
+reads(Act.ROUTE, lambda state, panel: panel.route.fields.read(state.chosen_landing, None))
 
-    landing: int
+
+@on(ChosenLanding)
+def choose_landing(state: TabState, chosen: ChosenLanding) -> Step:
+    """Show the numbers of a landing, or plan with others."""
+    state = replace(state, landing=chosen.number)
+    return (state, ()) if chosen.jump == state.design.jump else choose_jump(state, chosen.jump)
 
 
 def _may_have_route(state: TabState) -> bool:
@@ -87,28 +91,15 @@ def add_landing(state: TabState) -> Step:
     return _ended_when_full(_along(state, landings))
 
 
-reads(
-    Act.REMOVE_LANDING,
-    lambda _, panel: (LandingRemoved(panel.jump.route.chosen), []),
-)
-
-
 @on(Act.REMOVE_LANDING, enabled=_has_route)
-def remove_last(state: TabState) -> Step:
-    """Have the route end one landing earlier."""
-    return remove_landing(state, LandingRemoved(len(state.design.jump.route) - 1))
-
-
-@on(LandingRemoved)
-def remove_landing(state: TabState, event: LandingRemoved) -> Step:
-    """Have a route without one of its landings; the others stay where they are."""
-    route = state.design.jump.route
-    if event.landing >= len(route):
+def remove_landing(state: TabState) -> Step:
+    """Have the route without the landing that is shown; the others stay where they are."""
+    route, number = state.design.jump.route, state.chosen_landing.number
+    if not route:
         return state, ()
-    kept = [number for number in range(len(route)) if number != event.landing]
+    kept = [k for k in range(len(route)) if k != number]
     places = waypoints(route)
-    left = through([places[number] for number in kept], [route[number] for number in kept])
-    return _along(state, left)
+    return _along(state, through([places[k] for k in kept], [route[k] for k in kept]))
 
 
 @on(Act.REMOVE_ROUTE, enabled=_has_route)
@@ -124,6 +115,8 @@ def _along(state: TabState, landings: tuple[Landing, ...]) -> Step:
     except InputError as error:  # a landing is too far away
         return also((state, ()), Notify("No landing there", str(error)))
     state = replace(state, history=replace(state.history, changing=()))
+    grows = jump.jumps > state.design.jump.jumps
+    state = replace(state, landing=jump.jumps - 1 if grows else state.landing)
     state, effects = choose_jump(state, jump)
     return replace(state, history=replace(state.history, changing=())), effects
 

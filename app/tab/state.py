@@ -17,6 +17,7 @@ from app.motion.baked import ForeignMotion, PlannedMotion, SimulatedMotion
 from app.motion.colours import Rgb
 from app.panel.atlas_controls import AtlasChoice
 from app.panel.file_controls import FileChoice
+from app.panel.route_controls import ChosenLanding
 from app.panel.status import SeedResult, Status, Verdict
 from app.panel.view_controls import View
 from app.picture.picture import Ghost
@@ -204,6 +205,7 @@ class TabState:
     page: bool = False  # the page's scripts have answered
     # the request as it was when its route began to be drawn by clicks; None: none is drawn
     drawing: Jump | None = None
+    landing: int = 0  # number of the one of a route whose numbers are shown
 
     @property
     def seen(self) -> Shown | None:
@@ -258,6 +260,11 @@ class TabState:
     def ends(self) -> Ends:
         """Ends of the sliders: the usual ones, and whatever beyond was asked for or found."""
         return stretched(self.file.task, self.reach.get(self.design.jump.robot, {}))
+
+    @property
+    def chosen_landing(self) -> ChosenLanding:
+        """The landing of the design's route whose numbers are shown."""
+        return ChosenLanding.of(self.design.jump, self.landing)
 
     @property
     def ready(self) -> bool:

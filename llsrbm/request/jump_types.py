@@ -217,7 +217,8 @@ def of_its_type(jump: Jump) -> Jump:
 def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
     """The request with its type's defaults (or `Jump`'s) in `TYPE_PARAMETERS` that are not `given`.
 
-    A roll is enough of a turn: a request that has one keeps its pitch, and the other way round.
+    A roll is enough of a turn: a request that has one keeps its pitch, and the other way round. A
+    route says itself how many jumps there are.
     Raises `InputError`: see `load_type`.
     """
     jump = of_its_type(jump)
@@ -227,7 +228,7 @@ def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
     silent: dict[str, Any] = {
         name: plain[name] if turned and name in _TURNS else defaults.get(name, plain[name])
         for name in TYPE_PARAMETERS
-        if name not in given
+        if name not in given and not (jump.route and name == "hops")
     }
     return replace(jump, **silent)
 

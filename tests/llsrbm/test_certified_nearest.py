@@ -92,3 +92,9 @@ def test_a_table_answers_for_less_of_a_draft():
 def test_of_types_without_a_table_no_less_is_looked_for():
     draft = planned("go2")
     assert CertifiedPlanner().nearby(draft, replace(draft.jump, type="gap", forward=0.0)) is None
+
+
+def test_there_is_no_less_of_a_route():
+    route = llsrbm.Jump(robot="go2", route=({"forward": 0.3}, {"forward": 0.2, "twist": 0.3}))
+    found = answer(Whole(twist=1.0), route, route)
+    assert (found.jump, found.certified) == (route, False)

@@ -179,6 +179,7 @@ def test_without_a_plan_to_begin_from_there_is_none(search):
     [
         (GO2, "sideways", 'no component "sideways"'),
         (Jump(robot="go2", type="flip", pitch=-math.tau), "up", "turn over"),
+        (Jump(robot="go2", route=2 * ({"forward": 0.3},)), "forward", "a request without a route"),
         (Jump(robot="go2", lateral=4.0), "up", "lateral 4 m is out of range"),
         (Jump(robot="nobody"), "up", "nobody"),
     ],

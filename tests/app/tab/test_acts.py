@@ -32,7 +32,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
     tab = PureTab()
     assert shown(tab) == {
         *("SIMULATE", "SHARE", "SEEDS", "SAVE", "ADD_CHART", "REMOVE_CHART"),
-        *("COMPARE_MODELS", "EXAMPLES", "HELP"),
+        *("COMPARE_MODELS", "EXAMPLES", "HELP", "DRAW_ROUTE", "ADD_LANDING"),
         *HOW_FAR,
     }
     tab = planned_tab()
@@ -50,6 +50,7 @@ def test_buttons_that_would_do_nothing_cannot_be_pressed():
             "CHECK",
         ),
         *("COMPARE_MODELS", "COMPARE_DRIVES", "EXAMPLES", "HELP"),
+        *("DRAW_ROUTE", "ADD_LANDING"),
         *HOW_FAR,
         *("ADD_CHART", "REMOVE_CHART", "SAVE_LINES"),
     }

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from llsrbm.errors import InputError
 from llsrbm.mechanics import turns_about_z
-from llsrbm.motion.surroundings import check_board, surroundings
+from llsrbm.motion.surroundings import check_board, ground_under, surroundings
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Edges
 from llsrbm.request.jump import Jump
@@ -185,6 +185,13 @@ def test_hops_that_are_near_have_boxes_that_come_in_their_own_flights():
     plan = hops(0.2, 0.1)
     first, second = surroundings(ANYMAL, plan, Scenario()).blocks
     assert [first.from_s, second.from_s] == pytest.approx([MIDDLE, MIDDLE + plan.time[48]])
+
+
+def test_the_ground_is_below_the_lowest_place():
+    for heights in ((-0.1, 0.1), (0.1, -0.3), (0.1, 0.2)):
+        plan = hops(*heights)
+        around = surroundings(ANYMAL, plan, Scenario())
+        assert ground_under(plan) == around.ground <= min(0.0, heights[0])
 
 
 def test_hops_far_apart_have_boxes_that_stand_all_the_time():

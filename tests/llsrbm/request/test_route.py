@@ -9,7 +9,7 @@ from llsrbm.commands.options import in_words
 from llsrbm.errors import InputError
 from llsrbm.request.design import Design, dump_design, load_design
 from llsrbm.request.jump import Jump
-from llsrbm.request.route import Landing, load_route
+from llsrbm.request.route import Landing, load_route, through, waypoints
 
 ROUTE = (Landing(forward=0.3), Landing(forward=0.2, height=0.1, twist=0.5, slope=0.2))
 FILE = """
@@ -95,3 +95,35 @@ def test_a_row_of_jumps_is_so_many_by_themselves_each_from_the_slope_before():
     assert second == Jump(robot="go2", forward=0.2, height=0.1, twist=0.5, slope=0.2)
     two = Jump(type="hops", hops=2, forward=0.2).singly([None, None])
     assert two == (Jump(forward=0.2),) * 2
+
+
+def test_places_and_landings_are_the_same_route():
+    quarter = math.pi / 2
+    route = (
+        Landing(forward=0.3, height=0.1, twist=quarter),
+        Landing(forward=0.2, lateral=0.1, slope=0.1),
+        Landing(lateral=-0.3, twist=-quarter, cross_slope=0.2),
+    )
+    places = waypoints(route)
+    expected = [(0.3, 0, 0.1, quarter), (0.2, 0.2, 0.1, quarter), (0.5, 0.2, 0.1, 0)]
+    for place, there in zip(places, expected, strict=True):
+        assert place == pytest.approx(there)
+    for again, landing in zip(through(places, route), route, strict=True):
+        assert again == pytest.approx(landing)
+    assert all(landing.slope == landing.cross_slope == 0.0 for landing in through(places))
+
+
+def test_a_route_is_gone_along_without_what_its_jump_was():
+    hurdle = Jump(robot="go2", type="hurdle", forward=0.4, payload=(2.0,), stones={"FL": (0.02, 0)})
+    jump = hurdle.along(ROUTE)
+    assert jump == Jump(robot="go2", payload=(2.0,), route=ROUTE)
+    assert jump.along(ROUTE[:1]) == Jump(robot="go2", payload=(2.0,), forward=0.3)
+    assert jump.along(()) == Jump(robot="go2", payload=(2.0,))
+    assert jump.landings == ROUTE
+    assert Jump(forward=0.2, hops=3, type="hops").landings == 3 * (Landing(forward=0.2),)
+
+
+def test_a_route_of_a_type_of_ones_own_stays_of_it(tmp_path):
+    own = tmp_path / "own.toml"
+    jump = Jump(type=str(own), route=ROUTE)
+    assert jump.along((*ROUTE, ROUTE[0])).type == str(own)
