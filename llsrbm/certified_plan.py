@@ -12,7 +12,7 @@ from llsrbm.errors import InputError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
-from llsrbm.planning.problem.placement import make_task, retargeted, task_of
+from llsrbm.planning.problem.placement import make_task, retargeted
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
@@ -51,16 +51,9 @@ class CertifiedPlanner:
     def plan(self, draft: Plan) -> Plan:
         """The whole body's plan of a draft that converged, with its certificate.
 
-        Jumps in a row are begun from the table's plans of each, where it has them. Where no plan is
-        found it is the draft, without a certificate; its `refinement` says so.
+        Where no plan is found it is the draft, without a certificate; its `refinement` says so.
         Raises `Cancelled`: `cancelled` was true.
         """
-        # A table's plans depend on when solvers were compiled.
-        if self.guesses and not self.settles and draft.schedule.places > 1:
-            task = task_of(draft, self.robot or robot_of(draft))
-            found = self.from_table(task) if _lands_and_goes_on(task) else None
-            if found is not None:
-                return found
         return self.held(self._refined(draft, 1.0))
 
     def held(self, plan: Plan) -> Plan:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import viser
@@ -37,6 +38,7 @@ class LandingDragged:
     yaw: float  # rad; the same up to whole turns
     landing: int = 0
     begins: bool = False  # whether with it another landing, or the same one anew, is moved
+    held: bool = True  # whether it is not let go of
 
     def applied_to(self, jump: Jump, task: Task) -> Jump:
         """A request that lands where the handle stands, height stays: a plain jump within the
@@ -99,7 +101,8 @@ class LandingHandles:
         self._target = None
         handle = self._handles[moved.landing]
         found = read_pose(handle.wxyz, handle.position)
-        return found and replace(found, landing=moved.landing, begins=moved.begins)
+        how: dict[str, Any] = {name: getattr(moved, name) for name in ("landing", "begins", "held")}
+        return found and replace(found, **how)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> bool:
         """Stand where a jump shall land, but for the one that is dragged; none known: hidden.

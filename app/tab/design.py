@@ -68,8 +68,9 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
 def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
     """Plan a jump to where a landing's handle was dragged."""
     if dragged.begins:  # what was dragged before is a step of its own
-        state = replace(state, history=replace(state.history, changing=()))
-    return choose_jump(state, dragged.applied_to(state.design.jump, state.ends))
+        state = _at_next_step(state)
+    state, effects = choose_jump(state, dragged.applied_to(state.design.jump, state.ends))
+    return (state if dragged.held else _at_next_step(state)), effects
 
 
 @on(FootholdDragged)
@@ -83,9 +84,12 @@ def drag_foothold(state: TabState, dragged: FootholdDragged) -> Step:
         changing = ("Jump.stones",) if grip == state.history.grip else ()
         state = replace(state, history=replace(state.history, changing=changing, grip=grip))
     state, effects = choose_jump(state, jump)
-    if not dragged.held:  # what is typed next is a step of its own
-        state = replace(state, history=replace(state.history, changing=()))
-    return state, effects
+    return (state if dragged.held else _at_next_step(state)), effects
+
+
+def _at_next_step(state: TabState) -> TabState:
+    """Whatever is changed next, typed or dragged, is a step of its own."""
+    return replace(state, history=replace(state.history, changing=()))
 
 
 @on(Act.RESET_FOOTHOLDS, enabled=lambda state: bool(state.design.jump.stones))

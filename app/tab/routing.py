@@ -27,7 +27,8 @@ reads(Act.ROUTE, lambda state, panel: panel.route.fields.read(state.chosen_landi
 @on(ChosenLanding)
 def choose_landing(state: TabState, chosen: ChosenLanding) -> Step:
     """Show the numbers of a landing, or plan with others."""
-    state = replace(state, landing=chosen.number)
+    if chosen.number != state.landing:  # its numbers are a step of their own
+        state = replace(state, history=replace(state.history, changing=()), landing=chosen.number)
     return (state, ()) if chosen.jump == state.design.jump else choose_jump(state, chosen.jump)
 
 

@@ -63,7 +63,11 @@ class LibraryPlanner:
     def plan(
         self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """Plan a jump."""
+        """Plan a jump: a route by the whole body, from plans of its jumps; others as drafts."""
+        if task.jump.route:
+            found = self._through(task, progress, cancelled)
+            if found is not None:
+                return found
         self._announce(task, progress)
         # The plan that the page shows may be no start: of another solver, or without an iterate.
         near = task.near
@@ -172,6 +176,24 @@ class LibraryPlanner:
 
         progress("checking the motion at 1 kHz")
         return certify(task.motion)
+
+    def _through(
+        self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Plan | None:
+        """A route's certified plan; None: it is not found from the robot's table."""
+        from llsrbm.certified_plan import CertifiedPlanner
+        from llsrbm.planning.problem.placement import make_task
+        from llsrbm.robots import load_robot
+        from llsrbm.robots.payload import with_payload
+
+        self._announce_whole_body(task.jump, progress)
+        robot = with_payload(load_robot(task.jump.robot), task.jump.payload)
+        asked = make_task(task.jump, robot, task.tuning.weights, task.tuning.limits)
+        planner = CertifiedPlanner(
+            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
+            cancelled=cancelled,
+        )
+        return planner.from_table(asked)
 
     def _build_beside(self, task: tasks.PlanJump) -> None:
         """Have what a slider that moves will be followed by built in a process of its own."""

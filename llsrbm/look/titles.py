@@ -24,6 +24,7 @@ WHOLE_BODY = "whole body"
 _MODELS = {"srbm": "SRBM", "llsrbm": "LL-SRBM", "llsrbm-plus": "LL-SRBM+"}
 
 _ALWAYS = ("robot", "task", "model")
+_LISTED = 2  # landings of a route; more would be cut wherever there is a line for a title
 _IN_WORDS = (  # fields of a scenario whose names and values alone would say too little
     *("board", "half_board", "trunk_mass"),
     *("pushes", "random_push", "estimator", "replan", "replan_latency"),
@@ -173,6 +174,8 @@ def _task(jump: Jump) -> str:
         task = "on the spot"
     if jump.route:
         task = f"route: {', '.join(map(landing_words, jump.route))}"
+        if len(jump.route) > _LISTED:
+            task = f"route of {len(jump.route)} landings"
     if jump.hops > 1:
         of = "of " if turns or _components(jump) else ""
         task = f"{jump.hops} hops {of}{task}"

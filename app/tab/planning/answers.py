@@ -82,7 +82,7 @@ def _answer(state: TabState, report: reports.Report, ticket: int) -> Step:
     first = state.shown is None
     state = show_plan(state.with_work(shown=ticket), plan, robot, wanted=wanted, reason=reason)
     if ticket == state.work.newest or isinstance(state.work.awaited, tasks.PlanJump):
-        follows = FOLLOWS if state.whole_body else ""
+        follows = FOLLOWS if state.whole_body and plan.refinement is None else ""
         status = summaries.plan_status(plan, state.work.instead.strip(), wanted, reason, follows)
         state = replace(state, status=replace(status, busy=True))
     return state, played_first(state) if first else ()

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 from app.workers.tasks import PlanJump
 from llsrbm.motion.plan import Plan
 from llsrbm.request.jump import INCLINES, Jump
-from llsrbm.request.route import Landing
 from llsrbm.request.tuning import Tuning
 
 REST = 0.5
@@ -45,7 +44,8 @@ class DragPlanning:
             return self, None
         moved = replace(self, requested=(jump, tuning), rests=False)
         alike = shown is not None and _kind(shown.jump) == _kind(jump)
-        if shown is None or not alike or not shown.solved:
+        if shown is None or not alike or not shown.solved or jump.route:
+            # A route begins from the plans of its jumps, not from the one before.
             return moved, PlanJump(jump, tuning)
         # A plan from an old file has no solution.
         begins = _near(shown.jump, jump) or shown.is_nearest
@@ -87,10 +87,4 @@ def _near(one: Jump, other: Jump) -> bool:
         apart("twist", *INCLINES) <= _NEAR_TWIST
         and apart("forward", "lateral", "height", "gap", "bar") <= _NEAR_MOVE
         and apart("speed", "end_speed") <= _NEAR_SPEED
-        and all(map(_near_landing, one.route, other.route))
     )
-
-
-def _near_landing(one: Landing, other: Landing) -> bool:
-    apart = [abs(a - b) for a, b in zip(one, other, strict=True)]
-    return max(apart[3:]) <= _NEAR_TWIST and max(apart[:3]) <= _NEAR_MOVE

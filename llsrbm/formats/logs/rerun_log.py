@@ -133,7 +133,9 @@ def _log_surroundings(recording: rr.RecordingStream, around: Surroundings) -> No
         comes_and_goes = np.array([block.from_s, block.until_s])
         there = np.isfinite(comes_and_goes)
         shown = columns.partition(np.array([1, 0])[there])
-        _send(recording, f"world/blocks/{block.name}", comes_and_goes[there], shown)
+        # A path has no spaces of its own: "box-1".
+        entity = f"world/blocks/{block.name.replace(' ', '-')}"
+        _send(recording, entity, comes_and_goes[there], shown)
 
 
 def _log_robot(

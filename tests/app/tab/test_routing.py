@@ -8,14 +8,17 @@ import pytest
 from app.panel.acts import Act
 from app.panel.jump_types import of_chosen_type, title_of_type
 from app.panel.route_controls import ChosenLanding
+from app.panel.status import Verdict
 from app.picture.ground_clicks import GroundClicked
 from app.picture.landing_handles import LandingDragged
 from app.tab import acts
+from app.workers.reports import Planned
 from llsrbm.request.design import dump_design, load_design
 from llsrbm.request.jump import PLAIN
 from llsrbm.request.jump_types import load_type
 from llsrbm.request.route import MOST, Landing, waypoints
-from tests.app.pure_tab import planned_tab
+from tests.app.pure_tab import plan_of, planned_tab
+from tests.app.synthetic_plan import refined_plan
 
 
 def click(tab, x, y, ground=0.0):
@@ -125,10 +128,13 @@ def test_a_landing_is_dragged_and_one_grip_is_one_step_back():
         for step in range(3):
             begins = step == 0
             at = 0.3 * (landing + 1) + 0.01 * (step + 1)
-            tab.take(LandingDragged(at, 0.1, 0.0, landing, begins))
+            tab.take(LandingDragged(at, 0.1, 0.0, landing, begins, held=step < 2))
     assert [place[:2] for place in places(tab)] == [
         pytest.approx(at) for at in ((0.33, 0.1), (0.63, 0.1), (0.9, 0.0))
     ]
+    tab.take(tab.state.chosen_landing.but("height", 0.1))
+    tab.take(Act.UNDO)
+    assert places(tab)[1] == pytest.approx((0.63, 0.1, 0.0))
     tab.take(Act.UNDO)
     assert places(tab)[1][:2] == pytest.approx((0.6, 0.0))
     tab.take(Act.UNDO)
@@ -175,3 +181,16 @@ def test_a_flip_has_no_route():
     assert not acts.is_enabled(Act.DRAW_ROUTE, tab.state)
     assert not acts.is_enabled(Act.ADD_LANDING, tab.state)
     assert load_type("flip").default_jump().route == ()
+
+
+def test_a_route_is_planned_once_by_the_whole_body():
+    tab = routed({"forward": 0.2}, {"forward": 0.3})
+    tab.state = replace(tab.state, whole_body=True)
+    tab.take(tab.state.chosen_landing.but("height", 0.1))
+    task = tab.submits[-1].task
+    assert (task.patient, task.near) == (True, None)
+    tab.report(Planned(0, refined_plan(plan_of(task.jump))))
+    assert not tab.state.planning
+    assert tab.told[0] is Verdict.FEASIBLE
+    assert "follows" not in tab.told[1]
+    assert tab.submits[-1].task is task  # nothing refines it

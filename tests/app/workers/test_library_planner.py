@@ -7,6 +7,7 @@ import pytest
 import llsrbm
 from app.workers.tasks import ExportMotion, FindLargest, OpenFile, PlanJump, SimulateJump
 from app.workers.worker import LibraryPlanner
+from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.errors import UnusableStart
 from llsrbm.largest_jump import Largest
 from llsrbm.ocp.horizon import Iterate
@@ -14,8 +15,10 @@ from llsrbm.planning.answer import planner as planner_module
 from llsrbm.planning.solve.watch import PlanningProgress
 from llsrbm.request.design import Design, dump_design
 from llsrbm.request.jump import Jump
+from llsrbm.request.route import Landing
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import synthetic_plan
 
 JUMP = Jump(twist=0.5)
@@ -50,6 +53,27 @@ def called(monkeypatch):
 def planned(**changes):
     solved = replace(synthetic_plan(JUMP), solution=Iterate(None, None))
     return replace(solved, **changes)
+
+
+ROUTE = JUMP.along(2 * (Landing(forward=0.2),))
+
+
+def test_a_route_is_begun_from_a_table_and_drafted_where_that_has_none(monkeypatch, called):
+    found, tasks = [synthetic_plan(ROUTE), None], []
+
+    def from_table(planner, task):
+        tasks.append(task)
+        return found.pop(0)
+
+    monkeypatch.setattr(CertifiedPlanner, "from_table", from_table)
+    own = Tuning(limits={"friction": 0.4})
+    planner, task = LibraryPlanner(), PlanJump(replace(ROUTE, payload=(2.0,)), own)
+    assert planner.plan(task, silent, never).jump == ROUTE
+    assert not called
+    assert tasks[0].tuning == own
+    assert tasks[0].mass == pytest.approx(load_robot("anymal").mass + 2.0)
+    planner.plan(task, silent, never)
+    assert called["plan"][1]["draft"]
 
 
 def test_a_search_gets_its_tuning_and_gives_the_largest_jump_alone(monkeypatch):

@@ -5,12 +5,15 @@ import pytest
 
 from llsrbm.look.titles import file_words, title, title_of, titles_of
 from llsrbm.request.jump import Jump
+from llsrbm.request.route import Landing
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 TWIST = Jump(twist=math.pi / 2)
+UP_TO = Landing(forward=0.2)
+TURNED = Landing(forward=0.3, twist=math.pi / 2, slope=math.radians(10))
 PUSH = Push(0.4, (0, 12, 0))
 
 
@@ -22,6 +25,11 @@ PUSH = Push(0.4, (0, 12, 0))
             "-45° + 30 cm back + 12.5 cm right + 10 cm down srbm",
             (Jump("anymal", "srbm", -math.pi / 4, -0.3, -0.125, -0.1),),
         ),
+        (
+            "route: 20 cm forward, 90° + 30 cm forward, slope 10° llsrbm-plus",
+            (Jump(route=(UP_TO, TURNED)),),
+        ),
+        ("route of 3 landings llsrbm-plus", (Jump(route=(UP_TO, TURNED, UP_TO)),)),
         ("my 20 cm forward srbm", (Jump("/some/where/my.toml", "srbm", forward=0.2),)),
         (
             "90° llsrbm-plus, seed 7, half board 25 mm",
