@@ -91,20 +91,26 @@ class CertifiedPlanner:
         """
         if not self.guesses:
             return None
-        robot = with_strength(self.robot or load_robot(task.jump.robot))
-        counts = layout_of(task.jump, robot, intervals).intervals
-        if _lands_and_goes_on(task):
-            begun = self._through(task, robot, counts)
-        else:
-            begun = planned(task, robot, counts, cancelled=self.cancelled, progress=self.progress)
+        begun = self._begun(task, intervals)
         found = begun and self.held(begun)
         return found if found is not None and found.certified else None
 
+    def _begun(self, task: Task, intervals: int) -> Plan | None:
+        """The plan of a task that the robot's table leads to, without a certificate."""
+        robot = with_strength(self.robot or load_robot(task.jump.robot))
+        counts = layout_of(task.jump, robot, intervals).intervals
+        if _lands_and_goes_on(task):
+            return self._through(task, robot, counts)
+        return planned(task, robot, counts, cancelled=self.cancelled, progress=self.progress)
+
     def _through(self, task: Task, robot: Robot, counts: Sequence[int]) -> Plan | None:
-        """The plan of several jumps in a row, begun from the table's plans of each by itself."""
+        """The plan of several jumps in a row, begun from the table's plans of each by itself.
+
+        These are where it begins: what of their certificates does not hold is no matter yet.
+        """
         parts = []
         for jump in task.jump.singly(task.displacement or [None] * task.schedule.places):
-            part = self.from_table(retargeted(task, jump))
+            part = self._begun(retargeted(task, jump), INTERVALS)
             if part is None:
                 return None
             parts.append(part)

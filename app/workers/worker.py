@@ -188,12 +188,12 @@ class LibraryPlanner:
 
         self._announce_whole_body(task.jump, progress)
         robot = with_payload(load_robot(task.jump.robot), task.jump.payload)
-        asked = make_task(task.jump, robot, task.tuning.weights, task.tuning.limits)
+        requested = make_task(task.jump, robot, task.tuning.weights, task.tuning.limits)
         planner = CertifiedPlanner(
             progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
             cancelled=cancelled,
         )
-        return planner.from_table(asked)
+        return planner.from_table(requested)
 
     def _build_beside(self, task: tasks.PlanJump) -> None:
         """Have what a slider that moves will be followed by built in a process of its own."""

@@ -9,6 +9,9 @@ from llsrbm import certified_plan
 from llsrbm.certificate import certify
 from llsrbm.certified_plan import WITHOUT_ROWS, CertifiedPlanner
 from llsrbm.errors import Cancelled
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.request.jump import Jump
+from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.player.stages import stored_plan
 
@@ -83,3 +86,24 @@ def test_power_that_no_row_holds_is_no_reason_for_a_finer_grid(monkeypatch):
     found = CertifiedPlanner(guesses=False).plan(draft())
     assert not found.certified
     assert len(tried) == 1
+
+
+def test_a_route_begins_from_plans_of_its_jumps_of_which_none_is_checked(monkeypatch):
+    parts, checked = [], []
+    route = Jump(robot="go2", route=({"forward": 0.3, "slope": 0.1}, {"forward": 0.2}))
+
+    def through(task, _robot, _counts, begun, **_):
+        parts.extend(begun)
+        return replace(plan(), jump=task.jump)
+
+    monkeypatch.setattr(certified_plan, "planned_through", through)
+    monkeypatch.setattr(
+        certified_plan, "planned", lambda task, *_, **__: replace(plan(), jump=task.jump)
+    )
+    monkeypatch.setattr(
+        certified_plan, "certified", lambda found, *_: checked.append(found.jump) or found
+    )
+    found = CertifiedPlanner().from_table(make_task(route, load_robot("go2")))
+    first, second = (part.jump for part in parts)
+    assert (first.forward, first.slope, second.takeoff_slope) == (0.3, 0.1, 0.1)
+    assert checked == [found.jump] == [route]

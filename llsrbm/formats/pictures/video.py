@@ -65,6 +65,8 @@ def _film(drawing: Drawing, options: Options, exported: Path) -> dict[str, Any]:
     solid, ghost = drawing.solid, drawing.ghost
     view = view_of(drawing, options.size[0] / options.size[1], options.camera)
     height = float(solid.robot.com[2])
+    # As far as there are shadows: about the robot, of a route everywhere where it stands.
+    along = float(np.ptp(solid.com, axis=0).max()) / 2
     shades = {
         "planned": palette.PLANNED,
         "ellipsoid": palette.PLANNED if ghost is None else palette.SIMULATED,
@@ -84,7 +86,7 @@ def _film(drawing: Drawing, options: Options, exported: Path) -> dict[str, Any]:
         "elevation": view.elevation,
         "distance": view.distance,
         "eye": view.target + view.distance * view.axes[:, 2],
-        "extent": 2.2 * height + 0.3,
+        "extent": 2.2 * height + max(0.3, along),
         "arrows": solid.arrows,
         "pressed_at": solid.pressed_at,
         "thickness": 0.02 * height,
