@@ -8,7 +8,7 @@ from tests.app.pure_tab import planned_tab
 
 def test_topics_have_titles_and_their_names_stand_between_asterisks():
     found = topics()
-    assert [title for title, _ in found][:3] == ["A jump", "Footholds", "Sliders"]
+    assert [title for title, _ in found][:3] == ["A jump", "Footholds", "Routes"]
     for title, text in found:
         assert title
         assert text.endswith(".")

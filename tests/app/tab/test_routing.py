@@ -194,3 +194,10 @@ def test_a_route_is_planned_once_by_the_whole_body():
     assert tab.told[0] is Verdict.FEASIBLE
     assert "follows" not in tab.told[1]
     assert tab.submits[-1].task is task  # nothing refines it
+
+
+def test_another_robot_goes_along_the_same_route():
+    tab = routed({"forward": 0.2}, {"forward": 0.3, "height": 0.1})
+    route = tab.state.design.jump.route
+    tab.move(robot="slider")
+    assert tab.state.design.jump.route == route
