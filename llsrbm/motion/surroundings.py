@@ -14,6 +14,7 @@ is deep. A robot that touches a hurdle has not jumped over it.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import coal
 import numpy as np
@@ -90,6 +91,18 @@ class Surroundings:
         """The ground, as a block, and the blocks."""
         centre = np.array([0.0, 0.0, self.ground - _DEEP / 2])
         return (Block("ground", centre, np.array([_WIDE, _WIDE, _DEEP]), 0.0), *self.blocks)
+
+    def later(self, seconds: float) -> Self:
+        """The same by a clock that shows so much (s) when the plan begins."""
+        moved = (
+            replace(
+                block,
+                from_s=block.from_s + seconds if block.from_s > 0 else 0.0,
+                until_s=block.until_s + seconds,
+            )
+            for block in self.blocks
+        )
+        return replace(self, blocks=tuple(moved))
 
     @property
     def in_mid_flight(self) -> str:

@@ -10,6 +10,7 @@ the plan's, as it knows no others.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
@@ -92,9 +93,12 @@ def play(
 ) -> Played:
     """Play a plan, without looking at its certificate; `observer` is called with each tick.
 
+    `around`: by the plan's own time; its jump begins when the robot has stood for a while.
     Raises `InputError`: as the parts do.
     """
     chosen = make_tier(tier, plan, robot)
+    before = takewhile(lambda row: row[0] != Jumping.name, outline(chosen, robot.posture[7:]))
+    around = around.later(sum(duration for _, duration, _ in before))
     simulated = SimulatedRobot(
         robot, conditions, seed, surroundings=around, disturbance=disturbance
     )

@@ -3,9 +3,11 @@
 import numpy as np
 import pytest
 
+from llsrbm.motion.surroundings import Block, Surroundings
+from llsrbm.player import played as played_module
 from llsrbm.player.played import play
 from llsrbm.player.posture import FirstPosture, gains
-from llsrbm.player.states import LEAST_RAMP
+from llsrbm.player.states import LEAST_RAMP, Check, Stand
 from tests.llsrbm.player.stages import GO2, Stage, is_brake, stored_plan
 
 
@@ -89,3 +91,21 @@ def test_the_log_has_all_that_was_read_and_sent():
     assert np.array_equal(logged[:-1], sent[: len(logged) - 1])
     assert np.diff(log["robot_time"]) == pytest.approx(0.002)
     assert log["estimate/q"].shape == (len(log["time"]), GO2.model.nq)
+
+
+def test_boxes_come_and_go_by_the_plans_own_time(monkeypatch):
+    class BuiltError(Exception):
+        pass
+
+    def built(*_, surroundings, **__):
+        raise BuiltError(surroundings)
+
+    monkeypatch.setattr(played_module, "SimulatedRobot", built)
+    place = np.zeros(3), np.ones(3), 0.0
+    goes, comes = Block("block", *place, until_s=0.5), Block("box", *place, from_s=0.7)
+    with pytest.raises(BuiltError) as made:
+        play(stored_plan(), GO2, "closed-loop", around=Surroundings(0.0, (goes, comes)))
+    begins = Check.duration + LEAST_RAMP + Stand.duration
+    gone, come = made.value.args[0].blocks
+    assert (gone.from_s, gone.until_s) == (0.0, pytest.approx(begins + 0.5))
+    assert (come.from_s, come.until_s) == (pytest.approx(begins + 0.7), np.inf)
