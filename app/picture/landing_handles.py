@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import viser
@@ -37,8 +36,8 @@ class LandingDragged:
     y: float
     yaw: float  # rad; the same up to whole turns
     landing: int = 0
-    begins: bool = False  # whether with it another landing, or the same one anew, is moved
-    held: bool = True  # whether it is not let go of
+    grip: int = 1  # number of the grip that it is dragged with, one after another
+    held: bool = True
 
     def applied_to(self, jump: Jump, task: Task) -> Jump:
         """A request that lands where the handle stands, height stays: a plain jump within the
@@ -92,17 +91,18 @@ class LandingHandles:
         self._target: Jump | None = None
         self._robot: Robot | None = None
         self._held: int | None = None
+        self._grips = 0
         self._add()
 
     def read(self, moved: HandleMoved) -> LandingDragged | None:
         """Where one stands; None if a script has put it nowhere."""
         self._held = moved.landing if moved.held else None
+        self._grips += moved.begins
         # Wherever it was let go: the next drawing puts it where the target is.
         self._target = None
         handle = self._handles[moved.landing]
         found = read_pose(handle.wxyz, handle.position)
-        how: dict[str, Any] = {name: getattr(moved, name) for name in ("landing", "begins", "held")}
-        return found and replace(found, **how)
+        return found and replace(found, landing=moved.landing, grip=self._grips, held=moved.held)
 
     def draw(self, target: Jump | None, robot: Robot | None, *, visible: bool) -> bool:
         """Stand where a jump shall land, but for the one that is dragged; none known: hidden.

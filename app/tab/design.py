@@ -67,9 +67,10 @@ def _on_another_robot(jump: Jump, state: TabState) -> Jump:
 @on(LandingDragged)
 def drag_landing(state: TabState, dragged: LandingDragged) -> Step:
     """Plan a jump to where a landing's handle was dragged."""
-    if dragged.begins:  # what was dragged before is a step of its own
-        state = _at_next_step(state)
-    state, effects = choose_jump(state, dragged.applied_to(state.design.jump, state.ends))
+    jump, applied = state.design.jump, dragged.applied_to(state.design.jump, state.ends)
+    if jump.route and applied != jump:
+        state = _gripped(state, "route", dragged.grip)
+    state, effects = choose_jump(state, applied)
     return (state if dragged.held else _at_next_step(state)), effects
 
 
@@ -81,10 +82,16 @@ def drag_foothold(state: TabState, dragged: FootholdDragged) -> Step:
         return state, ()
     jump, grip = dragged.applied_to(state.design.jump, robot), dragged.grip
     if jump != state.design.jump:
-        changing = ("Jump.stones",) if grip == state.history.grip else ()
-        state = replace(state, history=replace(state.history, changing=changing, grip=grip))
+        state = _gripped(state, "stones", grip)
     state, effects = choose_jump(state, jump)
     return (state if dragged.held else _at_next_step(state)), effects
+
+
+def _gripped(state: TabState, field: str, grip: int) -> TabState:
+    """Everything that one grip changes of a field of the request is one step."""
+    changing = (f"Jump.{field}",) if (field, grip) == state.history.grip else ()
+    history = replace(state.history, changing=changing, grip=(field, grip))
+    return replace(state, history=history)
 
 
 def _at_next_step(state: TabState) -> TabState:

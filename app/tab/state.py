@@ -154,7 +154,8 @@ class History:
     # names of the numbers that the last change changed; another change of the same ones belongs to
     # it
     changing: tuple[str, ...] = ()
-    grip: int = 0  # on a foot's handle, with which the last one was dragged; 0: none was
+    # field of the request that was dragged last in the picture, and the number of that grip
+    grip: tuple[str, int] = ("", 0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -126,9 +126,9 @@ def test_a_landing_is_dragged_and_one_grip_is_one_step_back():
     before = tab.state.design
     for landing in (0, 1):
         for step in range(3):
-            begins = step == 0
             at = 0.3 * (landing + 1) + 0.01 * (step + 1)
-            tab.take(LandingDragged(at, 0.1, 0.0, landing, begins, held=step < 2))
+            tab.take(LandingDragged(at, 0.1, 0.0, landing, landing + 1, held=step < 2))
+            tab.settle()  # the hand rests
     assert [place[:2] for place in places(tab)] == [
         pytest.approx(at) for at in ((0.33, 0.1), (0.63, 0.1), (0.9, 0.0))
     ]
