@@ -17,7 +17,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.learned_file import fits
-from llsrbm.planning.whole_body.refine import planned, planned_through, refined, refiner_of
+from llsrbm.planning.whole_body.refine import planned, planned_through, refined, refiner_of, untried
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.variants import with_strength
@@ -130,7 +130,7 @@ class CertifiedPlanner:
         return Watch(self.cancelled, self.progress)
 
     def _refined(self, draft: Plan, finer: float) -> Plan:
-        if self.settles and not draft.jump.turns:
+        if self.settles and not untried(draft):
             refiner_of(draft, self.robot, finer).solver.settle()
         return refined(
             draft,

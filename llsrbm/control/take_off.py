@@ -6,11 +6,13 @@ upside down does: eightfold in a push of 0.2 s. The landing place counts, so an 
 cost momentum that is won back. With errors e = (dc, dv of the CoM, horizontal; dtheta of the base;
 dL) of the plan, and changes df of the contact forces that leave their vertical sum as it is,
 
-    dc' = dv,  dv' = sum df / m,  dtheta' = I^-1 dL,  dL' = F x dc + sum r x df,
+    dc' = dv,  dv' = sum df / m,  dtheta' = I^-1 (dL + L x dtheta),  dL' = F x dc + sum r x df,
 
-with the plan's force F, arms r and inertia I. A flight of time T from lift-off lands dc + T dv away
-and T mean(I^-1) dL + dtheta further turned. The gains K of df = K e that make the sum of the
-squares of those, of df and of e on the way least, are found backwards from lift-off.
+with the plan's force F, arms r, inertia I and angular momentum L. A flight of time T from lift-off
+lands dc + T dv away, and as far turned as dtheta' adds up to: a body that turns about its middle
+axis of inertia, as in a flip, falls away from that axis, a degree of roll at lift-off being several
+at touchdown. The gains K of df = K e that make the sum of the squares of those, of df and of e on
+the way least, are found backwards from lift-off.
 """
 
 import numpy as np
@@ -31,6 +33,7 @@ TURN = 0.05  # rad
 HELD = 0.1
 AWAY, SPEED, TILT, TURNING = 0.1, 0.5, 0.1, 1.0  # m, m/s, rad, rad/s
 FORCE, LEAST = 0.3, 0.02
+STEP = 2e-3  # s, of flights
 _UNLOADED = 1e-3  # N; contacts with no more do not push
 
 _C, _V, _A, _L = slice(0, 2), slice(2, 4), slice(4, 7), slice(7, 10)  # places in e
@@ -81,14 +84,15 @@ class TakeOff:
         begin, end = plan.phase_start[[first, flight]]
         dt = self._tick
         ticks = np.arange(round(begin / dt), int(end / dt))
-        names = ("com", "contact_point", "contact_force", "inertia")
+        names = ("com", "contact_point", "contact_force", "inertia", "angular_momentum")
         at = sampled(plan, (ticks + 0.5) * dt, names)
         value = self._landing(plan, flight)
         for k in reversed(range(len(ticks))):
             force, inertia = at["contact_force"][k], at["inertia"][k]
             loaded = force[:, 2] > _UNLOADED
             arms = at["contact_point"][k, loaded] - at["com"][k]
-            rates, pushes = self._rates(arms, force.sum(axis=0), inertia)
+            rates, pushes = self._rates(arms, force.sum(axis=0))
+            rates[_A, _A], rates[_A, _L] = _turning(inertia, at["angular_momentum"][k])
             A, B = np.eye(len(rates)) + dt * rates, dt * pushes
             R = self._force_costs(force[loaded]) * dt / HELD
             Q = self._error_costs(inertia) * dt / HELD
@@ -98,12 +102,11 @@ class TakeOff:
             steered = rates + pushes @ K
             self._gains[int(ticks[k])] = steered[_V], steered[_L]
 
-    def _rates(self, arms: Array, force: Array, inertia: Array) -> tuple[Array, Array]:
-        """e' = rates e + pushes df: (10, 10), (10, 3 C) of C contacts that push."""
+    def _rates(self, arms: Array, force: Array) -> tuple[Array, Array]:
+        """e' = rates e + pushes df: (10, 10), (10, 3 C), of C contacts that push; no turning."""
         contacts = len(arms)
         rates, pushes = np.zeros((10, 10)), np.zeros((10, contacts, 3))
         rates[_C, _V] = np.eye(2)
-        rates[_A, _L] = np.linalg.inv(inertia)
         rates[_L, _C] = pin.skew(force)[:, :2]
         pushes[_V] = np.eye(2, 3)[:, None] / self._mass
         pushes[_L] = np.stack([pin.skew(arm) for arm in arms], axis=1)
@@ -127,10 +130,40 @@ class TakeOff:
     def _landing(plan: Plan, flight: int) -> Array:
         """(10, 10) of errors at lift-off, by where and how it lands with them."""
         begin, end = plan.phase_start[[flight, flight + 1]]
-        inside = (plan.time >= begin - 1e-9) & (plan.time <= end + 1e-9)
         place, turn = np.zeros((2, 10)), np.zeros((3, 10))
         place[:, _C], place[:, _V] = np.eye(2), (end - begin) * np.eye(2)
-        turn[:, _A] = np.eye(3)
-        turn[:, _L] = (end - begin) * np.linalg.inv(plan.inertia[inside]).mean(axis=0)
+        turn[:, _A], turn[:, _L] = turn_in_flight(plan, flight)
         rows = np.vstack([place / PLACE, turn / TURN])
         return rows.T @ rows
+
+
+def turn_in_flight(plan: Plan, flight: int) -> tuple[Array, Array]:
+    """How far off the base is turned at the end of a flight, by errors as it begins.
+
+    Legs and arms move as planned beside the base.
+
+    Args:
+        plan: what is flown.
+        flight: that phase of its schedule.
+
+    Returns:
+        (3, 3) by the base's turn, rad, and (3, 3) rad / (kg m2/s) by the angular momentum; world
+        frame.
+    """
+    begin, end = plan.phase_start[[flight, flight + 1]]
+    steps = max(1, round((end - begin) / STEP))
+    dt = (end - begin) / steps
+    at = sampled(plan, begin + (np.arange(steps) + 0.5) * dt, ("inertia", "angular_momentum"))
+    by_turn, by_momentum = np.eye(3), np.zeros((3, 3))
+    for inertia, momentum in zip(at["inertia"], at["angular_momentum"], strict=True):
+        turning, driven = _turning(inertia, momentum)
+        half = np.eye(3) + dt / 2 * turning  # to second order in dt
+        by_turn = by_turn + dt * turning @ half @ by_turn
+        by_momentum = by_momentum + dt * half @ (driven + turning @ by_momentum)
+    return by_turn, by_momentum
+
+
+def _turning(inertia: Array, momentum: Array) -> tuple[Array, Array]:
+    """dtheta' by dtheta and by dL: (3, 3) 1/s, (3, 3) 1/(kg m2)."""
+    inverse = np.asarray(np.linalg.inv(inertia), dtype=np.float64)
+    return inverse @ pin.skew(momentum), inverse

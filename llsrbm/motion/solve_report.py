@@ -81,8 +81,8 @@ class Refinement:
     """Status, effort and wall times (s) of the second stage, on the whole body's dynamics.
 
     Attributes:
-        status: "solved"; "not-converged", or "not-tried" for a body that turns over: then the plan
-            is the centroidal one.
+        status: "solved"; "not-converged", or "not-tried" for a body that turns over and is not
+            caught: then the plan is the centroidal one.
         solve_time_s, total_time_s, build_time_s, compiling: as of a `SolveReport`.
     """
 

@@ -8,7 +8,7 @@ that it names; planning has.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
@@ -29,7 +29,9 @@ from llsrbm.request.tables import OneLine, Table, fault, read_table, validated
 
 _TURNS = ("roll", "pitch")  # alternatives: a request that says one of them is not silent
 _SIDE = 0.3  # of the widest hip's distance from the middle: nearer is neither front nor hind
-_FEET = "all, none, front, hind, left, right, pivot, or an array of legs' names"
+_FEET = "all, none, front, hind, left, right, pivot, lead, or an array of legs' names"
+# Sides of a body that turns over: about which it turns, and the other one.
+_TURNING_FEET = ("pivot", "lead")
 _TIME = "takeoff, flight, landing, or [shortest, longest] in s"
 
 
@@ -54,8 +56,9 @@ class PhaseRow(Table):
 
     # As on the timeline.
     name: Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), OneLine]
-    # "all", "none", "front", "hind", "left", "right", "pivot" or names of legs. The feet on which a
-    # body that turns over stands last: hind in a back flip, front in a front flip.
+    # "all", "none", "front", "hind", "left", "right", "pivot", "lead" or names of legs. On its
+    # pivot a body that turns over stands last: hind feet in a back flip, front feet in a front
+    # flip. Its lead are the other ones, which leave first.
     feet: Annotated[str | tuple[str, ...], Field(description=_FEET)]
     # a row of the robot file's [timing], or shortest and longest duration, s.
     time: Annotated[str | tuple[float, float], Field(description=_TIME)]
@@ -165,7 +168,7 @@ class JumpType(Table):
         phases: list[Phase] = []
         place = 0
         for row in _repeated(self.phase, hops):
-            feet = _feet(row, robot, _pivot(jump))
+            feet = _feet(row, robot, _sides(jump))
             if phases and feet and phases[-1].is_flight:
                 place += 1
             phases.append(Phase(row.name, feet, row.time, place, row.share))
@@ -256,28 +259,32 @@ def _repeated(rows: tuple[PhaseRow, ...], hops: int) -> Iterator[PhaseRow]:
         yield from list(run) * (hops - 1 if again else 1)
 
 
-def _pivot(jump: Jump) -> str:
-    """The side about which a body turns over: it goes down as the other one rises; "" of none."""
+def _sides(jump: Jump) -> dict[str, str]:
+    """The side about which a body turns over, which goes down as the other one rises, and that
+    other one; none of a body that does not.
+    """
     if jump.pitch:
-        return "hind" if jump.pitch < 0 else "front"
-    if jump.roll:
-        return "right" if jump.roll > 0 else "left"
-    return ""
+        sides = ("hind", "front") if jump.pitch < 0 else ("front", "hind")
+    elif jump.roll:
+        sides = ("right", "left") if jump.roll > 0 else ("left", "right")
+    else:
+        return {}
+    return dict(zip(_TURNING_FEET, sides, strict=True))
 
 
-def _feet(row: PhaseRow, robot: Legs, pivot: str) -> tuple[str, ...]:
+def _feet(row: PhaseRow, robot: Legs, sides: Mapping[str, str]) -> tuple[str, ...]:
     legs = robot.leg_names
     if isinstance(row.feet, tuple):
         return row.feet
     if row.feet in ("all", "none"):
         return legs if row.feet == "all" else ()
     groups = _groups(robot)
-    if row.feet == "pivot" and not pivot:
+    if row.feet in _TURNING_FEET and not sides:
         raise InputError(
-            f'phase "{row.name}": "pivot" are the feet on which a body that turns over stands '
-            "last; expected a whole turn of pitch or roll (-360 deg of pitch: a back flip)"
+            f'phase "{row.name}": "{row.feet}" are feet of a body that turns over; expected a '
+            "whole turn of pitch or roll (-360 deg of pitch: a back flip)"
         )
-    name = pivot if row.feet == "pivot" else row.feet
+    name = sides.get(row.feet, row.feet) if isinstance(row.feet, str) else row.feet
     if name not in groups:
         if row.feet in legs:
             return (row.feet,)

@@ -97,6 +97,12 @@ class Schedule:
         return tuple(k for k, phase in enumerate(self.phases) if phase.is_flight)
 
     @property
+    def is_caught(self) -> bool:
+        """True if some feet land before the others after the last flight."""
+        after = self.stands[self.flights[-1] + 1] if self.flights else self.stands[-1]
+        return not after.all()
+
+    @property
     def places(self) -> int:
         """Number of displacements: the last phase's place."""
         return self.phases[-1].place

@@ -142,7 +142,7 @@ def roles_of(
                     final=p == last_phase,
                     clears=clears and not (p == 0 and first),
                     leans=turns and p < last_flight,
-                    lands_upright=turns and p > last_flight,
+                    lands_upright=turns and p == last_phase,
                     limits_apex=apex and first and p in flights,
                     shifted=shifts and p > flights[0],
                     chooses_shortfall=last and p == first_swing - 1,

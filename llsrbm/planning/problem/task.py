@@ -201,6 +201,14 @@ class Task:
         object.__setattr__(self, "robot", robot)
 
     @property
+    def agrees(self) -> bool:
+        """Whether a draft is to agree with the whole body.
+
+        That of a flip that is caught is only where the whole body's problem begins.
+        """
+        return not (self.jump.turns and self.schedule.is_caught)
+
+    @property
     def joints(self) -> int:
         """J."""
         return len(self.robot.joint_names)

@@ -97,8 +97,11 @@ class Attempt:
 
     @property
     def solved(self) -> bool:
-        """True if the solver converged and the motion satisfies every constraint."""
-        return self.converged and satisfied(self.violations)
+        """True if the solver converged and the motion satisfies every constraint.
+
+        A draft that is only where the whole body's problem begins need not be the best one.
+        """
+        return (self.converged or not self.task.agrees) and satisfied(self.violations)
 
     @property
     def broken(self) -> set[str]:

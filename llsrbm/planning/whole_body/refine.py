@@ -181,11 +181,11 @@ def refined(
 ) -> Plan:
     """`Refiner.refine` of a plan that converged, by a solver that is built once a process.
 
-    It is not tried where the body turns over.
+    It is not tried where the body turns over and lands on all feet at once.
 
     `robot`: the one that the plan names, with other drives. `finer`: times as many intervals.
     """
-    if plan.jump.turns:
+    if untried(plan):
         # None of Go2's was ever found: drafts' knees land at twice the speed that they have.
         return replace(plan, refinement=Refinement(UNTRIED, 0, 0.0, 0.0, 0.0, 0.0, compiling=False))
     start = time.perf_counter()
@@ -194,6 +194,11 @@ def refined(
     result = refiner.refine(plan, learned=learned, cancelled=cancelled, progress=progress)
     assert result.refinement is not None
     return replace(result, refinement=replace(result.refinement, build_time_s=built))
+
+
+def untried(plan: Plan) -> bool:
+    """Whether a plan stays a draft: a body that turns over and lands on all feet at once."""
+    return bool(plan.jump.turns) and not plan.schedule.is_caught
 
 
 def planned(

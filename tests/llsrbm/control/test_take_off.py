@@ -4,8 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
+from scipy.spatial.transform import Rotation, Slerp
 
+from llsrbm.control import take_off
 from llsrbm.control.reference import Reference
 from llsrbm.control.take_off import TakeOff
 from llsrbm.mechanics import GRAVITY
@@ -123,3 +124,49 @@ def test_landing_and_flight_are_left_alone(plan, reference):
     for time in (plan.lift_off + 0.01, plan.touchdown + 0.1):
         target = reference.at(time)
         assert feedback.corrected(target, body_of(target, com=0.1), time) is target
+
+
+SHAPE = np.diag([0.17, 0.6, 0.68])  # kg m2, a Go2's in a flip: it turns about the middle one
+SPIN = np.array([0.0, -4.3, 0.0])  # kg m2/s
+FLIGHT = 0.5  # s
+
+
+def legs_stretched(time):
+    return SHAPE * (1 + 0.4 * time)
+
+
+def tumbled(R, momentum, steps=500):
+    """(steps + 1) attitudes in a flight with this angular momentum, by the midpoint rule."""
+    dt, found = FLIGHT / steps, [R]
+
+    def rate(R, time):
+        return R.apply(np.linalg.solve(legs_stretched(time), R.inv().apply(momentum)))
+
+    for k in range(steps):
+        half = Rotation.from_rotvec(dt / 2 * rate(found[-1], k * dt)) * found[-1]
+        found.append(Rotation.from_rotvec(dt * rate(half, (k + 0.5) * dt)) * found[-1])
+    return found
+
+
+def test_errors_in_the_turn_grow_in_flight_as_those_of_a_body_that_tumbles(monkeypatch):
+    """A roll at lift-off is several at touchdown; seen by an integrator of its own."""
+    attitudes = tumbled(Rotation.identity(), SPIN)
+    between = Slerp(np.linspace(0.0, FLIGHT, len(attitudes)), Rotation.concatenate(attitudes))
+
+    def flown(_, times, names):
+        R = between(times).as_matrix()
+        inertia = np.array([legs_stretched(time) for time in times])
+        return {
+            "inertia": R @ inertia @ np.swapaxes(R, 1, 2),
+            "angular_momentum": np.tile(SPIN, (len(times), 1)),
+        }
+
+    monkeypatch.setattr(take_off, "sampled", flown)
+    plan = SimpleNamespace(phase_start=np.array([0.0, FLIGHT]))
+    by_turn, by_momentum = take_off.turn_in_flight(plan, 0)
+    turn, gained = np.array([4e-4, 2e-4, -2e-4]), np.array([2e-3, -4e-3, 3e-3])
+    off = tumbled(Rotation.from_rotvec(turn), SPIN + gained)[-1]
+    real = (off * attitudes[-1].inv()).as_rotvec()
+    assert np.linalg.norm(by_turn @ [0.0, 0.0, 1.0]) > 2.0
+    found = by_turn @ turn + by_momentum @ gained
+    np.testing.assert_allclose(found, real, atol=0.03 * np.linalg.norm(real))

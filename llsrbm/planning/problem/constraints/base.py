@@ -97,6 +97,10 @@ class AgreedConstraint(Constraint):
     Where the check objects their bounds are shifted by what the two differ.
     """
 
+    def checked(self, task: Task) -> bool:
+        """True where a draft is to agree with the whole body."""
+        return task.agrees
+
     @abstractmethod
     def agreed_bounds(self, knots: Knots) -> RowBounds:
         """Bounds of the rows at which the check holds, if the two differ as in this motion."""

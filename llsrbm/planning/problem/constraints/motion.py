@@ -29,6 +29,8 @@ SHORT = {
     "back": np.radians([12.0, 20.0]),
     "roll": np.radians([12.0, 20.0]),
 }
+# Likewise where it is caught, when the last feet land.
+SHORT_WHEN_CAUGHT = np.radians([0.0, 30.0])
 # How fast a flip's CoM may rise again after touchdown, m/s. As fast as it likes, 0.8, feet carry
 # 0.6 of the weight, and on soft ground the robot leaves it. Of Go2's front flips on the spot, 0.1 m
 # forward and off 40 cm 12, 11 and 8 of 12 are strict with 0.2, 8, 10 and 10 with 0.3, 12, 12 and 0
@@ -228,8 +230,11 @@ class ShortOfTurn(Constraint):
         """`SHORT` about the axis of the turn, little across."""
         across = np.array([-ACROSS, ACROSS])
         # Of a turn forward that is not done e_x points up still, of one to the right e_y down.
+        caught = task.schedule.is_caught
         angles = [
-            np.sort(np.sign(turn) * SHORT[name]) if turn else across
+            np.sort(np.sign(turn) * (SHORT_WHEN_CAUGHT if caught else SHORT[name]))
+            if turn
+            else across
             for name, turn in (
                 ("front" if task.jump.pitch > 0 else "back", task.jump.pitch),
                 ("roll", -task.jump.roll),

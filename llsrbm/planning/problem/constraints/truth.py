@@ -44,7 +44,15 @@ class CheckAlone(Constraint):
         return np.zeros(0), np.zeros(0)
 
 
-class TrueTurn(CheckAlone):
+class Agreement(CheckAlone):
+    """A draft does what the whole body does."""
+
+    def checked(self, task: Task) -> bool:
+        """True where a draft is to agree with the whole body."""
+        return task.agrees
+
+
+class TrueTurn(Agreement):
     """The model's errors turn the base by no more than a landing bears.
 
     The maps of the legs are fitted about the standing feet; of feet far out they are a few per cent
@@ -104,7 +112,7 @@ class TurnsOver(CheckAlone):
         return out
 
 
-class Rolling(CheckAlone):
+class Rolling(Agreement):
     """Feet of a body that turns over stand where they have rolled to, in an earlier solution."""
 
     name = "rolling"
