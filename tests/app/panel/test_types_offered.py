@@ -18,7 +18,7 @@ from llsrbm.robots.schema import robot_files
 from tests.llsrbm.robots.edited import rolling
 
 TURNS = ("back flip", "front flip", "roll left", "roll right")
-TURNING = {"flip", "barrel-roll"}
+TURNING = {"flip", "caught-flip", "barrel-roll"}
 
 
 def test_a_robot_that_turns_about_both_axes_can_do_every_preset(tmp_path):

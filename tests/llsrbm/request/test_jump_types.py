@@ -64,6 +64,21 @@ def test_the_presets():
     assert len({kind.title for kind in found.values()}) == len(found)
 
 
+@pytest.mark.parametrize(("turns", "pivot", "lead"), [(-1, "R", "F"), (1, "F", "R")])
+def test_a_flip_is_caught_by_the_feet_that_left_first(turns, pivot, lead):
+    robot = load_robot("go2")
+    schedule = schedule_of(Jump("go2", type="caught-flip", pitch=turns * math.tau), robot)
+    feet = [{name[0] for name in phase.feet} for phase in schedule]
+    assert feet == [{"F", "R"}, {pivot}, set(), {lead}, {"F", "R"}]
+    assert schedule.is_caught
+    assert not schedule_of(Jump("go2", type="flip", pitch=math.tau), robot).is_caught
+
+
+def test_what_does_not_turn_over_has_no_pivot():
+    with pytest.raises(InputError, match='"pivot" are feet of a body that turns over; expected a'):
+        schedule_of(Jump("go2", type="caught-flip"), load_robot("go2"))
+
+
 @pytest.mark.parametrize("robot", robot_names())
 def test_together_is_the_schedule_of_files_without_one(robot):
     loaded = load_robot(robot)
@@ -183,7 +198,10 @@ def test_a_wrong_obstacle_is_one_line(file, old, new, said):
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("flipp", 'unknown jump type "flipp"; did you mean "flip"? valid: barrel-roll, flip, gap'),
+        (
+            "flipp",
+            'unknown jump type "flipp"; did you mean "flip"? valid: barrel-roll, caught-flip, ',
+        ),
         ("../flip", 'unknown jump type "../flip"; '),
         ("none/such.toml", "none/such.toml: no such file; expected a jump type"),
         ("a\0b.toml", "a?b.toml: no such file"),

@@ -56,7 +56,7 @@ class BodyClearance(Constraint):
         return task.clears
 
     def checked(self, task: Task) -> bool:
-        return task.clears or task.jump.turns
+        return task.clears or (bool(task.jump.turns) and task.agrees)
 
     def applies(self, role: Role) -> bool:
         """At all knots but the first and the last, whose postures are given."""
