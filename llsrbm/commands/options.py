@@ -55,6 +55,15 @@ Limits = Annotated[
     typer.Option("--limit", metavar="NAME=VALUE", help="See `llsrbm tuning`; may be repeated."),
 ]
 
+Workers = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Processes on this machine."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(metavar="ADDRESS", help="A Dask scheduler that runs: tcp://host:8786."),
+]
+
 Draft = Annotated[
     bool, typer.Option("--draft", help="The centroidal plan alone: quick, and not certified.")
 ]
@@ -92,6 +101,16 @@ def is_given(context: typer.Context, name: str) -> bool:
 def option(name: str) -> str:
     """The option of a parameter: "--end-speed"."""
     return f"--{name.replace('_', '-')}"
+
+
+def check_workers(workers: int | None, scheduler: str | None) -> None:
+    """Raise `InputError` for fewer workers than one, and for workers beside a cluster's own."""
+    if workers is not None and workers < 1:
+        raise InputError(f"--workers {workers}: expected 1 or more")
+    if workers is not None and scheduler is not None:
+        raise InputError(
+            "--workers and --scheduler: expected one of them; a cluster that runs has its workers"
+        )
 
 
 def read_plan(file: Path) -> Plan:

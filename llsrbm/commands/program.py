@@ -18,6 +18,7 @@ from llsrbm.commands.deploy import deploy_command
 from llsrbm.commands.export import export_command, formats_command, replay_command
 from llsrbm.commands.identify import identify_command
 from llsrbm.commands.largest import largest_command
+from llsrbm.commands.library import library_app
 from llsrbm.commands.listing import (
     designs_command,
     models_command,
@@ -79,6 +80,7 @@ def _llsrbm(
 
 
 app.add_typer(robot_app)
+app.add_typer(library_app)
 for _command in (
     *(plan_command, simulate_command, export_command, replay_command, robots_command),
     *(models_command, types_command, tuning_command, formats_command, designs_command),

@@ -29,10 +29,7 @@ def sweep_command(
         int | None,
         typer.Option(metavar="N", help="Processes on this machine [default: one a core]."),
     ] = None,
-    scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="A Dask scheduler that runs: tcp://host:8786."),
-    ] = None,
+    scheduler: options.Scheduler = None,
     timeout: Annotated[
         float | None,
         typer.Option(
@@ -80,12 +77,7 @@ def sweep_command(
 def _check(workers: int | None, scheduler: str | None, timeout: float | None) -> None:
     if timeout is not None and not timeout > 0:
         raise InputError(f"--timeout {timeout:g}: expected a time above 0 (s)")
-    if workers is not None and workers < 1:
-        raise InputError(f"--workers {workers}: expected 1 or more")
-    if workers is not None and scheduler is not None:
-        raise InputError(
-            "--workers and --scheduler: expected one of them; a cluster that runs has its workers"
-        )
+    options.check_workers(workers, scheduler)
 
 
 def _announce(spec: str, points: Points, workers: int | None, *, large: bool) -> None:

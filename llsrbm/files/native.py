@@ -97,13 +97,17 @@ def _with_rows(request: Any) -> Any:
     return {**request, "stones": stone_rows(request["stones"])}
 
 
+StatedJump = Annotated[Jump, BeforeValidator(_with_rows), PlainSerializer(Jump.as_dict)]
+"""A request as files have it."""
+
+
 class Meta(BaseModel):
     """The JSON at `meta`: where the arrays come from."""
 
     # JSON has no NaN, which the cost of a plan that did not converge may be.
     model_config = ConfigDict(ser_json_inf_nan="strings")
 
-    request: Annotated[Jump, BeforeValidator(_with_rows), PlainSerializer(Jump.as_dict)]
+    request: StatedJump
     model: str
     robot_parameters: dict[str, Any]
     package_version: str = Field(default_factory=package_version)

@@ -1,0 +1,122 @@
+"""One request of a library: planned, checked and simulated in a process of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from llsrbm.errors import Error
+from llsrbm.library.draws import Draw
+from llsrbm.request.jump import Jump
+from llsrbm.request.tuning import Tuning
+
+if TYPE_CHECKING:
+    from llsrbm.library.card import Simulated
+    from llsrbm.library.file import StoredMotion
+    from llsrbm.motion.plan import Plan
+
+KEPT, NOT_PLANNED, NOT_CERTIFIED = "kept", "not-planned", "not-certified"
+NOT_STRICT, FAILED, THERE = "not-strict", "failed", "there-already"
+
+LIMIT = 300.0  # s that an attempt may take; most take some seconds
+_FIRST_SEED = 46_000  # of simulations
+_LONGEST = 300  # characters of a reason
+
+
+@dataclass(frozen=True)
+class Request:
+    """What is asked for: a draw, or a jump that was given."""
+
+    jump: Jump
+    tuning: Tuning
+    draw: Draw | None = None
+
+    @classmethod
+    def drawn(cls, draw: Draw) -> Request:
+        """That of a draw."""
+        return cls(draw.jump, Tuning(), draw)
+
+    @property
+    def number(self) -> int | None:
+        """That of its draw."""
+        return None if self.draw is None else self.draw.number
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What became of a request: a motion if it is `KEPT`, else why not."""
+
+    request: Request
+    status: str
+    motion: StoredMotion | None = None
+    why: str = ""
+
+
+def simulated(plan: Plan, seeds: int) -> Simulated:
+    """How simulations of a plan end, everything disturbed by `seeds` seeds; the first that is not
+    strict is the last.
+
+    Raises `Error`: the plan cannot be simulated.
+    """
+    from llsrbm.api import simulate
+    from llsrbm.library.card import Simulated
+
+    outcomes = []
+    for seed in range(_FIRST_SEED, _FIRST_SEED + seeds):
+        outcomes.append(simulate(plan, seed=seed).outcome)
+        if not outcomes[-1].strict:
+            break
+    return Simulated.of(outcomes)
+
+
+def attempt(request: Request, seeds: int) -> Attempt:
+    """Plan a request, put it into a library's form, and simulate what that gives.
+
+    Every simulation has to be strict, if there are some.
+    """
+    try:
+        return _attempt(request, seeds)
+    except Error as error:
+        return Attempt(request, NOT_PLANNED, why=_one_line(error))
+    except Exception as error:  # noqa: BLE001  # a build goes on, and its journal has the error
+        return Attempt(request, FAILED, why=_one_line(error))
+
+
+def _attempt(request: Request, seeds: int) -> Attempt:
+    from llsrbm.api import plan as planned
+    from llsrbm.library.card import Simulated
+    from llsrbm.library.library import stored_motion
+
+    tuning = request.tuning
+    plan = planned(
+        request.jump,
+        weights=tuning.weights,
+        limits=tuning.limits,
+        patient=False,
+        explains=False,
+    )
+    if not plan.certified:
+        return Attempt(request, NOT_CERTIFIED, why="the plan's certificate does not hold")
+    motion = stored_motion(plan, Simulated(), request.number)
+    result = simulated(plan, seeds)
+    if seeds and not result.all_strict:
+        return Attempt(request, NOT_STRICT, why="a simulation did not land strictly")
+    card = motion.card.model_copy(update={"simulated": result})
+    return Attempt(request, KEPT, type(motion)(card, motion.numbers))
+
+
+def run_attempt(request: Request, seeds: int, limit: float) -> Attempt:
+    """`attempt` in the process beside this one, within `limit` seconds or failed."""
+    from llsrbm.sweep.jump import ProcessDied, compute
+
+    try:
+        found: Attempt = compute(attempt, request, seeds, limit=limit)
+    except TimeoutError:
+        return Attempt(request, FAILED, why=f"no result within {limit:g} s")
+    except (ProcessDied, Error) as error:
+        return Attempt(request, FAILED, why=_one_line(error))
+    return found
+
+
+def _one_line(error: Exception) -> str:
+    return (" ".join(str(error).split()) or type(error).__name__)[:_LONGEST]
