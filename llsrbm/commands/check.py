@@ -54,11 +54,14 @@ def check_command(
         if as_json:
             print(json.dumps(result, allow_nan=False), file=stdout)
         else:
-            print("\n".join([*_table(certificate), *_power(certificate, mover)]), file=stdout)
+            print(
+                "\n".join([*certificate_table(certificate), *_power(certificate, mover)]),
+                file=stdout,
+            )
     return console.FAILED if certificate.holds is False else console.DONE
 
 
-def _table(certificate: Certificate) -> list[str]:
+def certificate_table(certificate: Certificate) -> list[str]:
     """A head, a line a check and the result."""
     from llsrbm.number_text import aligned
 

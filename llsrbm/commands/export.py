@@ -6,7 +6,7 @@ import math
 import tempfile
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -60,8 +60,7 @@ def export_command(
     from llsrbm.formats import export, remarks_of
     from llsrbm.motion.trajectory import load
 
-    values: dict[str, Any] = {"fps": fps, "pad": pad, "order": order, "packed": packed}
-    given = {name: value for name, value in values.items() if options.is_given(context, name)}
+    given = options.given(context, fps=fps, pad=pad, order=order, packed=packed)
     if options.is_given(context, "size"):
         pixels = _numbers("--size", size, "x", 2)
         given["size"] = tuple(int(n) if n.is_integer() else n for n in pixels)

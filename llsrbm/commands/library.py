@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,14 +11,15 @@ import typer
 from typer.core import TyperGroup
 
 from llsrbm.commands import console, options
-from llsrbm.errors import require
+from llsrbm.errors import InputError, require
 
 if TYPE_CHECKING:
-    from llsrbm.library import Library
+    from llsrbm.library import Card, Library
     from llsrbm.library.attempt import Attempt
     from llsrbm.library.build import Runner
 
 _LIST = "list"
+_WITH_GAINS = {"npz", "mujoco"}  # formats that have a place for them
 
 
 class _Words(TyperGroup):
@@ -46,10 +49,205 @@ def _library() -> None:
     """Certified motions: found by words and figures, shown, exported, and made."""
 
 
+@library_app.command(_LIST)
+def list_command(
+    words: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[WORDS]", help="Parts of names, robots, kinds or jump types."),
+    ] = None,
+    robot: Annotated[str | None, typer.Option(metavar="R", help="Motions of this robot.")] = None,
+    kind: Annotated[
+        str | None, typer.Option(metavar="K", help="Of this kind, such as back-flip or route.")
+    ] = None,
+    min_distance: Annotated[
+        float | None, typer.Option(metavar="M", help="Leads so far or further, horizontally.")
+    ] = None,
+    max_distance: Annotated[
+        float | None, typer.Option(metavar="M", help="Leads no further.")
+    ] = None,
+    min_turn: Annotated[
+        float | None, typer.Option(metavar="DEG", help="Turns so far or further, either way.")
+    ] = None,
+    min_height: Annotated[
+        float | None, typer.Option(metavar="M", help="Lands so high above its start, or higher.")
+    ] = None,
+    min_flight: Annotated[
+        float | None, typer.Option(metavar="S", help="Is so long in the air, or longer.")
+    ] = None,
+    max_power: Annotated[
+        float | None, typer.Option(metavar="W", help="Its drives give no more power together.")
+    ] = None,
+    folder: Folder = None,
+    as_json: options.AsJson = False,
+) -> int:
+    """List motions, or those that words and figures say: `llsrbm library go2 flip`.
+
+    All words have to be found. `llsrbm library` alone lists all; `list` may be left out.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.library import Filters
+
+        filters = Filters(
+            robot=robot,
+            kind=kind,
+            min_distance=min_distance,
+            max_distance=max_distance,
+            min_turn=None if min_turn is None else math.radians(min_turn),
+            min_height=min_height,
+            min_flight=min_flight,
+            max_power=max_power,
+        )
+        library = _opened(folder)
+        cards = library.found(words or [], filters)
+        if as_json:
+            result = {"count": len(cards), "motions": [card.summary() for card in cards]}
+            console.print_result(result, {}, stdout, as_json=True)
+        elif cards:
+            print("\n".join(_table(cards)), file=stdout)
+        else:
+            console.print_error(f"no motion of {len(library.cards)} is so")
+    return console.DONE
+
+
 def _opened(folder: Path | None) -> Library:
     from llsrbm.library import Library, shipped
 
     return shipped() if folder is None else Library(folder)
+
+
+def _table(cards: Sequence[Card]) -> list[str]:
+    from llsrbm.number_text import aligned, decimal, degrees
+
+    head = ("name", "leads", "turns", "up", "in the air", "power", "torque", "strict")
+    rows = [head]
+    for card in cards:
+        figures, done = card.figures, card.simulated
+        rows.append(
+            (
+                card.name,
+                f"{decimal(figures.distance_m, 2)} m",
+                degrees(figures.turn, 0),
+                f"{decimal(figures.height_m, 2)} m",
+                f"{decimal(figures.flight_s, 2)} s",
+                f"{decimal(figures.peak_power_w)} W",
+                f"{decimal(100 * figures.torque_share)} %",
+                f"{done.strict} of {done.seeds}",
+            )
+        )
+    return aligned(rows)
+
+
+@library_app.command("show")
+def show_command(
+    name: Name,
+    folder: Folder = None,
+    stated: Annotated[
+        bool, typer.Option("--stated", help="The certificate of its card, not checked again.")
+    ] = False,
+    as_json: options.AsJson = False,
+) -> int:
+    """Show one motion: its request, figures, and the certificate, which is checked again.
+
+    The exit status is 1 where a check does not hold.
+    """
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.certificate import stated as stated_certificate
+        from llsrbm.commands.check import certificate_table
+
+        library = _opened(folder)
+        card = library.card(name)
+        plan = library.open(name, check=not stated)
+        certificate = stated_certificate(plan)
+        assert certificate is not None  # a motion's card has one
+        if as_json:
+            result = {
+                **card.summary(),
+                "request": card.request.as_dict(),
+                "checked_again": not stated,
+                "holds": certificate.holds,
+                "certificate": certificate.as_dict(),
+            }
+            console.print_result(result, {}, stdout, as_json=True)
+        else:
+            lines = [*_table([card]), options.in_words(card.request)]
+            print("\n".join([*lines, *certificate_table(certificate)]), file=stdout)
+    return console.DONE if certificate.holds else console.FAILED
+
+
+@library_app.command("export")
+def export_motion_command(
+    context: typer.Context,
+    name: Name,
+    out: Annotated[
+        Path, typer.Option(metavar="FILE", help="The file to write; several formats need a .zip.")
+    ],
+    format_: Annotated[
+        list[str],
+        typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated."),
+    ],
+    folder: Folder = None,
+    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
+    pad: Annotated[
+        float,
+        typer.Option(
+            metavar="S", help="Time that the robot stands still before and after the motion."
+        ),
+    ] = 0.0,
+    order: Annotated[
+        str,
+        typer.Option(metavar="O", help="Order of bodies and joints: depth-first or breadth-first."),
+    ] = "depth-first",
+) -> int:
+    """Write a motion in other formats, with its feed-forward torques.
+
+    Its certificate is checked again. `npz` and `mujoco` carry the gains of its feedback, too; the
+    folder for MuJoCo has a script that replays it by them. For simulations and films, write it as
+    `npz` and go on from there.
+    """
+    import llsrbm
+
+    given = options.given(context, fps=fps, pad=pad, order=order)
+    plan = _opened(folder).open(name)
+    if not plan.certified:
+        console.print_error(
+            f"{name}: its certificate does not hold any more; `library show {name}`"
+        )
+    if not _WITH_GAINS.isdisjoint(format_):
+        plan = llsrbm.with_feedback(plan)
+    llsrbm.export(plan, out, format=format_, **given)
+    return console.DONE
+
+
+@library_app.command("add")
+def add_command(
+    plans: Annotated[
+        list[Path], typer.Argument(metavar="PLAN.npz", help="Files of whole bodies' plans.")
+    ],
+    out: Out,
+    seeds: Seeds = 2,
+    as_json: options.AsJson = False,
+) -> int:
+    """Add plans to a library: certified ones, of which every simulation is strict.
+
+    The exit status is 1 if one was not added, with the reason on stderr.
+    """
+    status = console.DONE
+    with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.library import Library
+        from llsrbm.library.attempt import judged
+
+        library = Library(out)
+        added = []
+        for file in plans:
+            try:
+                added.append(library.put(judged(options.read_plan(file), seeds)).name)
+            except InputError as error:
+                console.print_error(f"{file}: {error}")
+                status = console.FAILED
+        result = _packed(library) | {"added": added}
+        lines = {"Added": ", ".join(added) or "none", "Motions": str(result["motions"])}
+        console.print_result(result, lines, stdout, as_json=as_json)
+    return status
 
 
 @library_app.command("build")

@@ -98,6 +98,11 @@ def is_given(context: typer.Context, name: str) -> bool:
     return source is not None and source.name != "DEFAULT"
 
 
+def given(context: typer.Context, **values: Any) -> dict[str, Any]:
+    """Those of the values of parameters that stand on the command line."""
+    return {name: value for name, value in values.items() if is_given(context, name)}
+
+
 def option(name: str) -> str:
     """The option of a parameter: "--end-speed"."""
     return f"--{name.replace('_', '-')}"

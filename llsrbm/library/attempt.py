@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from llsrbm.errors import Error
+from llsrbm.errors import Error, InputError
 from llsrbm.library.draws import Draw
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -21,6 +21,10 @@ NOT_STRICT, FAILED, THERE = "not-strict", "failed", "there-already"
 LIMIT = 300.0  # s that an attempt may take; most take some seconds
 _FIRST_SEED = 46_000  # of simulations
 _LONGEST = 300  # characters of a reason
+
+
+class NotStrict(InputError):
+    """A motion of which a simulation did not land strictly."""
 
 
 @dataclass(frozen=True)
@@ -76,33 +80,44 @@ def attempt(request: Request, seeds: int) -> Attempt:
     """
     try:
         return _attempt(request, seeds)
+    except NotStrict as error:
+        return Attempt(request, NOT_STRICT, why=_one_line(error))
     except Error as error:
         return Attempt(request, NOT_PLANNED, why=_one_line(error))
     except Exception as error:  # noqa: BLE001  # a build goes on, and its journal has the error
         return Attempt(request, FAILED, why=_one_line(error))
 
 
-def _attempt(request: Request, seeds: int) -> Attempt:
-    from llsrbm.api import plan as planned
+def judged(plan: Plan, seeds: int, drawn: int | None = None) -> StoredMotion:
+    """A plan in a library's form, after as many simulations, each of which is strict.
+
+    Raises `InputError`: see `stored_motion`, or a simulation is not strict.
+    """
     from llsrbm.library.card import Simulated
     from llsrbm.library.library import stored_motion
 
-    tuning = request.tuning
+    motion = stored_motion(plan, Simulated(), drawn)
+    found = simulated(plan, seeds)
+    if seeds and not found.all_strict:
+        raise NotStrict(
+            f"simulation {found.seeds} of {seeds} did not land strictly; expected that all do"
+        )
+    return replace(motion, card=motion.card.model_copy(update={"simulated": found}))
+
+
+def _attempt(request: Request, seeds: int) -> Attempt:
+    from llsrbm.api import plan as planned
+
     plan = planned(
         request.jump,
-        weights=tuning.weights,
-        limits=tuning.limits,
+        weights=request.tuning.weights,
+        limits=request.tuning.limits,
         patient=False,
         explains=False,
     )
     if not plan.certified:
         return Attempt(request, NOT_CERTIFIED, why="the plan's certificate does not hold")
-    motion = stored_motion(plan, Simulated(), request.number)
-    result = simulated(plan, seeds)
-    if seeds and not result.all_strict:
-        return Attempt(request, NOT_STRICT, why="a simulation did not land strictly")
-    card = motion.card.model_copy(update={"simulated": result})
-    return Attempt(request, KEPT, type(motion)(card, motion.numbers))
+    return Attempt(request, KEPT, judged(plan, seeds, request.number))
 
 
 def run_attempt(request: Request, seeds: int, limit: float) -> Attempt:

@@ -2,47 +2,57 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, fields
-from typing import Annotated
+from dataclasses import dataclass
 
+from llsrbm.errors import InputError
 from llsrbm.library.card import Card
-from llsrbm.request.messages import Number, check_fields
 
 
 @dataclass(frozen=True)
 class Filters:
-    """Least and largest figures of motions that are looked for; each field states its own."""
+    """Least and largest figures of motions that are looked for; None: any.
 
-    min_distance: Annotated[float, Number("Leads at least so far, horizontally", "M", unit="m")] = (
-        0.0
-    )
-    max_distance: Annotated[float, Number("Leads at most so far", "M", unit="m")] = 1e3
-    min_turn: Annotated[
-        float, Number("Turns about the vertical at least so far, either way", "DEG", unit="rad")
-    ] = 0.0
-    min_height: Annotated[
-        float, Number("Lands at least so high above where it stood", "M", unit="m")
-    ] = -1e3
-    min_flight: Annotated[
-        float, Number("Is at least so long in the air, all flights together", "S", unit="s")
-    ] = 0.0
-    max_power: Annotated[
-        float, Number("Drives together give at most so much power", "W", unit="W")
-    ] = 1e9
+    Attributes:
+        robot, kind: names.
+        min_distance, max_distance: m that it leads horizontally.
+        min_turn: rad about the vertical, either way; min_height: m that it lands above its start.
+        min_flight: s in the air, all flights together; max_power: W that the drives give at most.
+
+    Raises:
+        InputError: a number that is not finite.
+    """
+
+    robot: str | None = None
+    kind: str | None = None
+    min_distance: float | None = None
+    max_distance: float | None = None
+    min_turn: float | None = None
+    min_height: float | None = None
+    min_flight: float | None = None
+    max_power: float | None = None
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        for name, value in vars(self).items():
+            if isinstance(value, float) and not math.isfinite(value):
+                raise InputError(f"{name}: expected a finite number, got {value}")
 
-    def pass_(self, card: Card) -> bool:
+    def fit(self, card: Card) -> bool:
         """Whether a motion is one of those that are looked for."""
         figures = card.figures
+        least = (
+            (figures.distance_m, self.min_distance),
+            (abs(figures.turn), self.min_turn),
+            (figures.height_m, self.min_height),
+            (figures.flight_s, self.min_flight),
+        )
+        most = (figures.distance_m, self.max_distance), (figures.peak_power_w, self.max_power)
+        same = (card.robot, self.robot), (card.kind, self.kind)
         return (
-            self.min_distance <= figures.distance_m <= self.max_distance
-            and abs(figures.turn) >= self.min_turn
-            and figures.height_m >= self.min_height
-            and figures.flight_s >= self.min_flight
-            and figures.peak_power_w <= self.max_power
+            all(wanted in (None, own) for own, wanted in same)
+            and all(low is None or own >= low for own, low in least)
+            and all(high is None or own <= high for own, high in most)
         )
 
 
@@ -55,13 +65,10 @@ def found(
     """
     filters = filters or Filters()
     wanted = [word.lower() for text in words for word in text.split()]
-    kept = (card for card in cards if filters.pass_(card) and _has(card, wanted))
+    kept = (card for card in cards if filters.fit(card) and _has(card, wanted))
     return sorted(kept, key=lambda card: card.name)
 
 
 def _has(card: Card, words: Sequence[str]) -> bool:
     text = f"{card.name} {card.robot} {card.kind} {card.type}".lower()
     return all(word in text for word in words)
-
-
-FILTERS = tuple(field.name for field in fields(Filters))

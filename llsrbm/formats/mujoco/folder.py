@@ -21,7 +21,9 @@ end.
 500 frames/s unless asked otherwise: one a default step of MuJoCo, a whole number of our
 simulation's. At the robot's control rate (400 for ANYmal and Go2, 1000 for SLIDER) a rollout's
 ticks come out as they are. `README.txt` has a program of ten lines that replays it. `meta.json`:
-request, robot, solver.
+request, robot, solver. Of plans that carry feedback gains, as `llsrbm plan --out` and `llsrbm
+library export` make them, also `controls.npz` and `replay.py`, which lets the robot do the motion
+by torques and gains alone (`README.txt` says how).
 
 Reading: such a folder, its zip, or any npz with `qpos`, and if there are `qvel`, `time` or `fps` or
 `frequency`, `joint_names` (LocoMuJoCo's files too). Joints go by their names, or else are in
@@ -38,6 +40,7 @@ from llsrbm.arrays import Array
 from llsrbm.files.atomic import MARK
 from llsrbm.files.npz import write_archive
 from llsrbm.formats.base import Format, Options, Purpose, driven_robot
+from llsrbm.formats.mujoco.controls import REPLAY, write_controls
 from llsrbm.formats.mujoco.motion import read_motion, recognises
 from llsrbm.look.shown_motion import surroundings_of
 from llsrbm.motion.flights import flights
@@ -78,6 +81,17 @@ qpos: position, quaternion w x y z, joints. qvel: linear velocity in the world's
 velocity in the base's, joints. Joints and motors: in the order of joint_names. SI units, z up.
 mocap_pos: where boxes and boards are. {torques}
 The drives' rotors, friction and damping are the joints' armature, frictionloss and damping.
+{played}"""
+
+_PLAYED = """
+To let the robot do it by the plan's torques and gains (controls.npz), in this folder:
+
+    python replay.py 7
+
+The seed, 7, draws what is disturbed: the trunk's mass (5 % either way), friction (0.6 to 0.9), how
+soft contacts are (4 to 10 ms), and 0 to 2 ms by which torques come later than the drives' own
+delay. It says "stands" if the base is within 50 mm and 5 deg of the plan half a second after its
+end. Nothing knows which feet touch; torques have limits that do not fall with the speed.
 """
 
 _TORQUES = {
@@ -119,6 +133,8 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
             ),
         },
     )
+    if isinstance(trajectory, Plan) and trajectory.feedback_gain is not None:
+        write_controls(path, trajectory, robot, around)
     _write_words(path, motion, trajectory, options, names, keyframes)
 
 
@@ -138,6 +154,7 @@ def _write_words(
             keyframes=", ".join(f'"{name}"' for name in keyframes),
             ctrl="" if ctrl is None else ", ctrl",
             torques=_TORQUES[ctrl is not None],
+            played=_PLAYED if (path / REPLAY).exists() else "",
         ),
         encoding="utf-8",
     )
