@@ -6,6 +6,7 @@ Format `html`, found by `llsrbm.formats` as an entry point: the library does not
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import replace
 from html import escape
 from math import isfinite
@@ -40,6 +41,20 @@ _LANDING = ("Landing marks", "Where the feet shall land.")
 
 
 def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
+    path.write_text(_page(trajectory, options), encoding="utf-8")
+
+
+def _write_many(
+    trajectories: Iterable[tuple[str, Trajectory]], folder: Path, options: Options
+) -> None:
+    from app.shared_pages import SharedPages
+
+    pages = SharedPages(folder)
+    for name, trajectory in trajectories:
+        pages.add(name, _page(trajectory, options))
+
+
+def _page(trajectory: Trajectory, options: Options) -> str:
     from app.page_template import embedded
     from llsrbm.analysis.wording import outcome_words
     from llsrbm.installed import package_version
@@ -75,7 +90,7 @@ def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
     # The policy has to stand before all scripts, viser's own too.
     start, charset, rest = page.partition('<meta charset="utf-8" />')
     rest = rest.replace("<title>Viser</title>", "", 1)
-    path.write_text(f"{start}{charset}{head}{rest}", encoding="utf-8")
+    return f"{start}{charset}{head}{rest}"
 
 
 def _plan_and_rollout(trajectory: Trajectory) -> tuple[Plan, Rollout | None]:
@@ -203,6 +218,7 @@ HTML = Format(
     purpose=Purpose.LOOKING,
     suffix=".html",
     write=_write,
+    write_many=_write_many,
     conventions="""\
 One page that plays the motion from disk: no server, no network, no installation.
 

@@ -6,7 +6,7 @@ an entry point `llsrbm.formats`.
 
 import tempfile
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from functools import cache
 from importlib.metadata import entry_points
@@ -39,7 +39,7 @@ from llsrbm.robots import Robot, load_robot
 
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "Purpose", "export", "file_name", "find"]
 __all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion", "readable"]
-__all__ += ["remarks_of"]
+__all__ += ["export_many", "remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
 
@@ -229,6 +229,30 @@ def export(
             _write_zip(trajectory, chosen, target)
         else:
             chosen[0][0].write(trajectory, target, chosen[0][1])
+
+
+def export_many(
+    trajectories: Iterable[tuple[str, Trajectory]],
+    folder: str | Path,
+    format: str,  # noqa: A002  # the word of the public interface
+    **options: Any,
+) -> None:
+    """Write files of many trajectories, (name, trajectory), that share what they have in common.
+
+    `folder`: is made; options: as of `export`.
+
+    Raises:
+        InputError: no such format, one whose files share nothing, or as of `export`.
+    """
+    found = find(format)
+    if found.write_many is None:
+        shares = ", ".join(name for name, each in _formats().items() if each.write_many)
+        raise InputError(
+            f'format "{format}": its files have nothing in common; expected {shares or "none"}'
+        )
+    _check_used([found], options)
+    found.check_installed()
+    found.write_many(trajectories, Path(folder), _options(found, options))
 
 
 def file_name(trajectory: Trajectory, names: Sequence[str], *, zipped: bool = False) -> str:

@@ -1,7 +1,7 @@
 """A file format: its options, the packages that it needs, and the JSON that stands beside files."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from importlib.util import find_spec
@@ -100,6 +100,8 @@ class Format:
         write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
             and further files beside it under names that begin with its name. Raises `InputError`
             if it cannot. Nobody sees the path before everything has been written.
+        write_many: ((name, trajectory), ..., folder, options) -> None, writes the files `NAME` with
+            the suffix into a folder, and what they share once beside them; None: it has no such way.
         conventions: frames, units and orders, in a few lines.
         options: names of what it takes of `Options`; defaults: theirs.
         extra: packages that it needs; None: none. machine: raises `InputError` where it cannot be
@@ -115,6 +117,7 @@ class Format:
     suffix: str
     write: Callable[[Trajectory, Path, Options], None]
     conventions: str
+    write_many: Callable[[Iterable[tuple[str, Trajectory]], Path, Options], None] | None = None
     options: tuple[str, ...] = ()
     defaults: Options = field(default_factory=Options)
     extra: Extra | None = None
