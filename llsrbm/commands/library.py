@@ -290,7 +290,7 @@ def build_command(
         with console.counting("motions") as progress:
 
             def note(_: Attempt) -> None:
-                progress(len(build.library.cards), total)
+                progress(sum(map(build.kept, names)), total)
 
             def run(runner: Runner) -> Any:
                 return build.run(all_requests(), seeds, runner, note)
@@ -305,6 +305,24 @@ def build_command(
                     counts = run(on_workers(client))
         result = _packed(build.library) | {"tried": dict(sorted(counts.items()))}
         console.print_result(result, _made(result), stdout, as_json=as_json)
+    return console.DONE
+
+
+@library_app.command("site")
+def site_command(
+    out: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the site.")],
+    folder: Folder = None,
+) -> int:
+    """Write a site that opens from disk: a list with filters, and a page a motion.
+
+    A motion's page has its player, figures, certificate and files. DIR is made, or is one that this
+    wrote before.
+    """
+    from llsrbm.library.site import write_site
+
+    with console.counting("pages") as progress:
+        write_site(_opened(folder), out, progress)
+    print(out / "index.html")
     return console.DONE
 
 

@@ -100,8 +100,8 @@ class Format:
         write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
             and further files beside it under names that begin with its name. Raises `InputError`
             if it cannot. Nobody sees the path before everything has been written.
-        write_many: ((name, trajectory), ..., folder, options) -> None, writes the files `NAME` with
-            the suffix into a folder, and what they share once beside them; None: it has no such way.
+        write_many: ((name, trajectory), ..., folder, options) -> None, writes a file `NAME` of each
+            into a folder, and once what they share; None: there is no such way.
         conventions: frames, units and orders, in a few lines.
         options: names of what it takes of `Options`; defaults: theirs.
         extra: packages that it needs; None: none. machine: raises `InputError` where it cannot be
