@@ -1,16 +1,23 @@
-"""The gallery of examples: their titles, a line on each, and the moving thumbnails that ship.
+"""The gallery of examples: their titles, a line on each, and the moving thumbnails that ship; and
+the motions of the library.
 
 `python -m benchmarks.thumbnails` makes the thumbnails from the designs.
 """
 
 import base64
+import math
 from functools import cache
 from pathlib import Path
 
 from llsrbm.installed import assets_directory
+from llsrbm.library import shipped
+from llsrbm.library.card import Figures
+from llsrbm.look.titles import title_of_robot
+from llsrbm.number_text import decimal, degrees
 from llsrbm.request.design import Design, examples
 
 FOLDER = assets_directory() / "thumbnails"
+_LITTLE, _LITTLE_TURN = 0.015, math.radians(2)  # m, rad: of which a list says nothing
 FIRST = ("g1-pirouette", "anymal-twist", "go2-back-flip")  # that show most
 
 
@@ -37,6 +44,40 @@ def cards() -> list[dict[str, str]]:
         }
         for name, design in designs().items()
     ]
+
+
+@cache
+def motions() -> list[dict[str, str]]:
+    """For the page: the motions of the library that ships, in the order of their names.
+
+    None where it is not there.
+    """
+    return [
+        {
+            "name": card.name,
+            "robot": title_of_robot(card.robot),
+            "kind": card.kind.replace("-", " "),
+            "line": figures_in_words(card.figures),
+        }
+        for card in shipped().found()
+    ]
+
+
+@cache
+def motion_names() -> frozenset[str]:
+    """Names of these motions."""
+    return frozenset(motion["name"] for motion in motions())
+
+
+def figures_in_words(figures: Figures) -> str:
+    """Where a motion leads, as far as it leads somewhere, and how long it flies."""
+    parts = [
+        (abs(figures.turn) > _LITTLE_TURN, degrees(figures.turn, 0)),
+        (figures.distance_m > _LITTLE, f"{decimal(figures.distance_m, 2)} m"),
+        (abs(figures.height_m) > _LITTLE, f"up {decimal(figures.height_m, 2)} m"),
+        (True, f"{decimal(figures.flight_s, 2)} s in the air"),
+    ]
+    return ", ".join(words for counts, words in parts if counts)
 
 
 def first_sentence(note: str) -> str:

@@ -138,6 +138,13 @@ class ExampleChosen:
     name: Name
 
 
+@_event("motion")
+class MotionChosen:
+    """A motion of the library was chosen, if there is one of that name."""
+
+    name: Name
+
+
 @_event("export")
 class ExportChosen:
     """A format was chosen to be written, if there is one of that name."""

@@ -11,13 +11,73 @@
       padding: 0; overflow: hidden; text-align: left; }
     #llsrbm-gallery .picture { display: block; width: 100%; aspect-ratio: 4 / 3; background: #dde4ea;
       object-fit: cover; }
-    #llsrbm-gallery b { padding: 7px 10px 0; }
+    #llsrbm-gallery .cards b { padding: 7px 10px 0; }
     #llsrbm-gallery .cards span { padding: 2px 10px 9px; font-size: 0.8125rem;
-      color: var(--mantine-color-dimmed); }`;
+      color: var(--mantine-color-dimmed); }
+    #llsrbm-gallery section { padding: 4px 16px 18px; border-top: 1px solid
+      var(--mantine-color-default-border); }
+    #llsrbm-gallery h3 { margin: 10px 0 0; font-size: 1.05rem; }
+    #llsrbm-gallery section p { margin: 2px 0; }
+    #llsrbm-gallery .filters { display: flex; flex-wrap: wrap; gap: 6px 18px; align-items: center;
+      margin: 8px 0; }
+    #llsrbm-gallery label { display: flex; gap: 6px; align-items: center; }
+    #llsrbm-gallery select { font: inherit; color: inherit; padding: 4px 6px; border-radius: 4px;
+      background: var(--mantine-color-default); border: 1px solid var(--mantine-color-default-border); }
+    #llsrbm-gallery .motions { display: grid; gap: 8px;
+      grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); }
+    #llsrbm-gallery .motions button { display: flex; flex-direction: column; text-align: left;
+      padding: 6px 10px; }
+    #llsrbm-gallery .motions span { font-size: 0.8125rem; color: var(--mantine-color-dimmed); }`;
 
   const grid = element("div", { class: "cards" });
   const dialog = chooser("llsrbm-gallery", "Examples",
     "Choose one: it is planned and played, and every slider goes on from there.", grid);
+
+  // ---- the library: certified motions, opened as a file is
+
+  const list = element("div", { class: "motions" });
+  const count = element("p", { role: "status" });
+  const chosen = { robot: "", kind: "" };
+  let motions = [];
+
+  function motion({ name, robot, kind, line }) {
+    return element("button", {
+      type: "button", title: name,
+      onclick() {
+        dialog.close();
+        page.send({ kind: "motion", name });
+      },
+    }, element("b", {}, `${robot}: ${kind}`), element("span", {}, line));
+  }
+
+  function showMotions() {
+    const kept = motions.filter((each) =>
+      Object.entries(chosen).every(([name, value]) => !value || each[name] === value));
+    count.textContent = `${kept.length} of ${motions.length}`;
+    list.replaceChildren(...kept.map(motion));
+  }
+
+  function choice(name, label) {
+    const values = [...new Set(motions.map((each) => each[name]))].sort();
+    const select = element("select", {
+      onchange() {
+        chosen[name] = select.value;
+        showMotions();
+      },
+    }, ...["", ...values].map((value) => element("option", { value }, value || "all")));
+    return element("label", {}, label, select);
+  }
+
+  function fillLibrary(found) {
+    motions = found;
+    if (!motions.length) return;
+    dialog.append(element("section", { "aria-label": "Library" },
+      element("h3", {}, "Library"),
+      element("p", {}, "Certified motions that land strictly in simulation: each opens at once."),
+      element("div", { class: "filters" }, choice("robot", "Made for"), choice("kind", "Kind"), count),
+      list));
+    showMotions();
+  }
   addToPage(STYLE, dialog);
 
   // A picture that does not move, for those who asked for that.
@@ -42,7 +102,8 @@
   }
 
   window.llsrbm.gallery = {
-    fill(cards) {
+    fill(cards, found) {
+      fillLibrary(found);
       grid.replaceChildren(...cards.map(card));
       window.llsrbm.tour.invite(card(cards[0]));
     },

@@ -245,7 +245,7 @@ class ShowGallery(Effect):
     def do(self, outside: Outside) -> None:
         if not outside.has_gallery:
             outside.has_gallery = True
-            outside.link.call("gallery.fill", gallery.cards())
+            outside.link.call("gallery.fill", gallery.cards(), gallery.motions())
         if self.shown:
             outside.link.call("gallery.open")
 

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from app.link import ExportChosen
+from app import gallery
+from app.link import ExportChosen, MotionChosen
 from app.motion.baked import bake_foreign
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
@@ -47,7 +48,16 @@ def open_file(state: TabState, event: FileChosen) -> Step:
     return state.with_files(opening=state.tickets, opening_note=""), effects
 
 
-@on(tasks.OpenFile)
+@on(MotionChosen)
+def open_motion(state: TabState, event: MotionChosen) -> Step:
+    """Have a motion of the library opened."""
+    if event.name not in gallery.motion_names():
+        return state, ()
+    state, effects = submit_beside(state, Queue.OPEN, tasks.OpenMotion(event.name))
+    return state.with_files(opening=state.tickets, opening_note=""), effects
+
+
+@on(tasks.OpenFile, tasks.OpenMotion)
 def take_opening(state: TabState, event: Reported) -> Step:
     """A file is being read, or has been."""
     if event.ticket != state.files.opening:

@@ -238,6 +238,18 @@ class OpenFile(Task):
 
 
 @dataclass(frozen=True, eq=False)
+class OpenMotion(Task):
+    """Open a motion of the library that ships, and prepare its robot."""
+
+    name: str
+    kind = Kind.READ
+    limit = READING_LIMIT
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Opened(talk.job, planner.open_motion(self, talk.progress))
+
+
+@dataclass(frozen=True, eq=False)
 class ExportMotion(Task):
     """Write a plan or a rollout in other formats."""
 

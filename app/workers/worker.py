@@ -165,6 +165,16 @@ class LibraryPlanner:
         self.prepare(opened.robot, progress)
         return opened
 
+    def open_motion(self, task: tasks.OpenMotion, progress: ProgressListener) -> OpenedFile:
+        """Open a motion of the library, whose certificate is checked again."""
+        from app.workers.opened_file import OpenedFile
+        from llsrbm.library import shipped
+
+        progress("checking the motion at 1 kHz")
+        plan = shipped().open(task.name)
+        self.prepare(plan.jump.robot, progress)
+        return OpenedFile(task.name, plan)
+
     def export(self, task: tasks.ExportMotion, progress: ProgressListener) -> tuple[str, bytes]:
         """Name and content of the file that is made."""
         progress(f"writing {', '.join(task.formats)}")

@@ -16,6 +16,7 @@ from llsrbm import errors
 from llsrbm.certificate import Certificate, Finding
 from llsrbm.errors import InputError
 from llsrbm.largest_jump import DIRECTIONS, Largest
+from llsrbm.library import shipped
 from llsrbm.motion.whole_body import motion_of_states
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
@@ -145,6 +146,9 @@ class SyntheticPlanner:
         if task.name == "foreign.csv":
             return OpenedFile(task.name, turning_states(task.robot))
         return open_file(task.name, task.content, task.robot, task.fps)
+
+    def open_motion(self, task, progress):
+        return OpenedFile(task.name, shipped().open(task.name, check=False))
 
     def check(self, task, progress):
         progress("checking the motion at 1 kHz")

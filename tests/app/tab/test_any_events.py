@@ -58,6 +58,7 @@ from app.workers.tasks import (
     FindLargest,
     FollowWay,
     OpenFile,
+    OpenMotion,
     PlanJump,
     Prepare,
     RefinePlan,
@@ -174,7 +175,7 @@ def success(task, file):
             return Simulated(0, simulated(plan, scenario))
         case SimulateSeeds(plan=plan, seeds=seeds, scenario=scenario):
             return SimulatedSeeds(0, (SEED,) * len(seeds), simulated(plan, scenario))
-        case OpenFile():
+        case OpenFile() | OpenMotion():
             return Opened(0, file)
         case ExportMotion():
             return Exported(0, "a.npz", b"1")

@@ -2,14 +2,19 @@
 
 import base64
 import io
+from dataclasses import replace
 
 import pytest
 from PIL import Image
 
 from app import gallery
-from app.link import CardsAsked, ExampleChosen
+from app.link import CardsAsked, ExampleChosen, MotionChosen
 from app.panel.acts import Act
-from app.tab.effects import ShowGallery
+from app.tab.effects import Queue, ShowGallery
+from app.workers.opened_file import OpenedFile
+from app.workers.reports import Opened
+from app.workers.tasks import OpenMotion
+from llsrbm.library import shipped
 from llsrbm.request.design import examples
 from tests.app.pure_tab import planned_tab
 
@@ -74,3 +79,34 @@ def test_an_example_that_there_is_not_changes_nothing():
     before = tab.state
     assert tab.take(ExampleChosen("nosuch")) == ()
     assert tab.state is before
+
+
+# ---- the library
+
+
+def test_every_motion_has_a_line():
+    motions = gallery.motions()
+    assert [motion["name"] for motion in motions] == sorted(gallery.motion_names())
+    assert all("s in the air" in motion["line"] for motion in motions)
+
+
+def test_figures_that_are_nothing_are_left_out():
+    card = shipped().card("go2-together-0001")
+    still = replace(card.figures, forward_m=0.0, lateral_m=0.0, height_m=-0.2, turn=0.01)
+    assert gallery.figures_in_words(replace(still, flight_s=0.4)) == "up −0.20 m, 0.40 s in the air"
+
+
+def test_the_motion_that_is_chosen_is_opened_as_a_file_is():
+    tab = planned_tab()
+    name = "go2-together-0001"
+    tab.take(MotionChosen(name))
+    assert tab.one.queue is Queue.OPEN
+    assert isinstance(tab.one.task, OpenMotion)
+    plan = shipped().open(name, check=False)
+    tab.report(Opened(0, OpenedFile(name, plan)))
+    assert tab.state.design.jump == plan.jump
+
+
+def test_a_motion_that_there_is_not_changes_nothing():
+    tab = planned_tab()
+    assert tab.take(MotionChosen("go2-together-9999")) == ()

@@ -1,5 +1,6 @@
 """The gallery of examples, in a real browser."""
 
+from app import gallery
 from tests.app.chromium import press
 
 
@@ -14,3 +15,17 @@ def test_the_button_opens_it_and_its_pictures_are_sent_once(page):
         assert page.evaluate("document.activeElement.closest('#llsrbm-gallery') !== null")
         page.keyboard.press("Escape")
         shown.wait_for(state="hidden")
+
+
+def test_a_motion_of_the_library_is_filtered_and_opened(page):
+    press(page, "Examples")
+    shown = page.get_by_role("dialog", name="Examples")
+    section = shown.get_by_role("region", name="Library")
+    motions = [motion for motion in gallery.motions() if motion["kind"] == "pirouette"]
+    section.get_by_label("Kind").select_option("pirouette")
+    buttons = section.locator(".motions button")
+    assert buttons.count() == len(motions)
+    section.get_by_label("Made for").select_option(motions[0]["robot"])
+    buttons.first.click()
+    shown.wait_for(state="hidden")
+    page.get_by_text(f"Opened {motions[0]['name']}.").wait_for()
