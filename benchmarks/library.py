@@ -7,7 +7,7 @@
 package nor which feet touch, and disturbs trunk, friction, contacts and delay by its seed; a motion
 stands if the script says so. `strict` simulates each with everything disturbed that
 `llsrbm.simulation.disturbance` disturbs; motions were kept because they were strict with two other
-seeds. Of each robot the motions are evenly taken from its list, all kinds among them.
+seeds. The motions of a robot are evenly taken from its list, all kinds among them.
 """
 
 import subprocess

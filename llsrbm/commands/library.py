@@ -30,6 +30,9 @@ class _Words(TyperGroup):
             args = [_LIST, *args]
         return super().parse_args(ctx, args)
 
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        return super().get_command(ctx, cmd_name) or super().get_command(ctx, _LIST)
+
 
 library_app = typer.Typer(name="library", cls=_Words, rich_markup_mode=None)
 
@@ -57,7 +60,7 @@ def list_command(
     ] = None,
     robot: Annotated[str | None, typer.Option(metavar="R", help="Motions of this robot.")] = None,
     kind: Annotated[
-        str | None, typer.Option(metavar="K", help="Of this kind, such as back-flip or route.")
+        str | None, typer.Option(metavar="K", help="Motions of this kind: back-flip, route, ...")
     ] = None,
     min_distance: Annotated[
         float | None, typer.Option(metavar="M", help="Leads so far or further, horizontally.")

@@ -29,7 +29,7 @@ class NotStrict(InputError):
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked for: a draw, or a jump that was given."""
+    """A jump that is asked for: a draw, or one that was given."""
 
     jump: Jump
     tuning: Tuning
@@ -48,7 +48,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """What became of a request: a motion if it is `KEPT`, else why not."""
+    """The end of a request: a motion if it is `KEPT`, else why not."""
 
     request: Request
     status: str

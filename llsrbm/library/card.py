@@ -104,7 +104,7 @@ class Simulated:
 
 
 class Card(BaseModel):
-    """What a motion of a library is.
+    """A motion of a library in plain data.
 
     Attributes:
         name: of letters that a file's name may have, `ROBOT-KIND-NUMBER`; it never changes.
@@ -141,7 +141,7 @@ class Card(BaseModel):
         return all(found["holds"] for found in self.certificate.values())
 
     def summary(self) -> dict[str, Any]:
-        """What a list shows, as plain data: SI units, radians."""
+        """The part that a list shows, as plain data: SI units, radians."""
         return {
             "name": self.name,
             "robot": self.robot,
@@ -155,7 +155,7 @@ class Card(BaseModel):
 
 
 def kind_of(jump: Jump) -> str:
-    """What people call a jump: its flip, a pirouette, a route, or its type.
+    """The name that people have for a jump: its flip, a pirouette, a route, or its type.
 
     A type's file is called by its name.
     """

@@ -1,8 +1,7 @@
 """Requests for a library, drawn at random: the same draw of a robot is the same request.
 
-Kinds of motions come in turn, so that whenever a build ends its motions are of all of them. What a
-jump by itself may ask for is the range of the robot's file; each jump of several is drawn from a
-part of it.
+Kinds of motions come in turn, so that whenever a build ends its motions are of all of them. A jump
+by itself may ask for the range of the robot's file, each jump of several for a part of it.
 """
 
 from __future__ import annotations
@@ -51,7 +50,7 @@ class Draw:
 
     @property
     def jump(self) -> Jump:
-        """What is asked for."""
+        """The request."""
         own = zlib.crc32(self.robot.encode())
         drawing = _Drawing(self.robot, np.random.default_rng([SEED, own, self.number]))
         fields = getattr(drawing, self.kind.replace("-", "_"))()
@@ -111,7 +110,7 @@ class _Drawing:
         return {"gap": self._ahead(0.2, 0.55)}
 
     def _ahead(self, low: float, high: float) -> float:
-        """Of the range forward between these shares."""
+        """A length between these shares of the range forward."""
         return self._rounded(self._rng.uniform(low, high) * self._ranges["forward"][1])
 
     def _in_a_row(self) -> dict[str, float]:

@@ -56,7 +56,7 @@ class Library:
 
     @property
     def cards(self) -> list[Card]:
-        """Of all motions. Raises `FileFormatError`: a file is damaged."""
+        """Those of all motions. Raises `FileFormatError`: a file is damaged."""
         return [card for _, _, card in self._where.values()]
 
     def card(self, name: str) -> Card:

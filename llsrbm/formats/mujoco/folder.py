@@ -21,9 +21,9 @@ end.
 500 frames/s unless asked otherwise: one a default step of MuJoCo, a whole number of our
 simulation's. At the robot's control rate (400 for ANYmal and Go2, 1000 for SLIDER) a rollout's
 ticks come out as they are. `README.txt` has a program of ten lines that replays it. `meta.json`:
-request, robot, solver. Of plans that carry feedback gains, as `llsrbm plan --out` and `llsrbm
-library export` make them, also `controls.npz` and `replay.py`, which lets the robot do the motion
-by torques and gains alone (`README.txt` says how).
+request, robot, solver. A plan that carries feedback gains, as `llsrbm plan --out` and `llsrbm
+library export` make them, also has `controls.npz` and `replay.py`, which lets the robot do the
+motion by torques and gains alone (`README.txt` says how).
 
 Reading: such a folder, its zip, or any npz with `qpos`, and if there are `qvel`, `time` or `fps` or
 `frequency`, `joint_names` (LocoMuJoCo's files too). Joints go by their names, or else are in
