@@ -71,7 +71,7 @@ def write(path: Path, meta: FileMeta, motions: Iterable[StoredMotion]) -> None:
 
 
 def read_cards(path: Path) -> tuple[FileMeta, list[Card]]:
-    """The meta and the cards of a file. Raises `FileFormatError`: it is of no library, or damaged."""
+    """The meta and the cards of a file. Raises `FileFormatError`: of no library, or damaged."""
     with open_archive(path, _EXPECTED) as archive:
         names = sorted(key for key in archive.keys if key.endswith(_CARD))
         arrays = archive.arrays(["schema", "meta", *names])
