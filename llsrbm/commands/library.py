@@ -306,6 +306,7 @@ def build_command(
 
                 with connected(workers or 1, scheduler) as client:
                     counts = run(on_workers(client))
+        build.close()
         result = _packed(build.library) | {"tried": dict(sorted(counts.items()))}
         console.print_result(result, _made(result), stdout, as_json=as_json)
     return console.DONE

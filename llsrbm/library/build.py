@@ -13,12 +13,12 @@ from __future__ import annotations
 import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
 
 from llsrbm.errors import InputError
-from llsrbm.library.attempt import KEPT, LIMIT, THERE, Attempt, Request, run_attempt
+from llsrbm.file_locks import lock
+from llsrbm.library.attempt import FAILED, KEPT, LIMIT, THERE, Attempt, Request, run_attempt
 from llsrbm.library.draws import Draw
 from llsrbm.library.library import Library
 from llsrbm.request.jump import Jump
@@ -39,17 +39,25 @@ class Build:
     """A library that is built, or that more is added to."""
 
     def __init__(self, folder: Path) -> None:
-        """Open or make the folder. Raises `InputError`: it cannot be made, or a file is damaged."""
+        """Open or make the folder, which is held by one process at a time.
+
+        Raises `InputError`: it cannot be made, another process builds in it, or a file is damaged.
+        """
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{folder}: cannot be made: {error.strerror}") from error
         self.library = Library(folder)
+        self._lock = _locked(folder)
         self._journal = folder / JOURNAL
         self._tried = self._read_journal()
         for card in self.library.cards:
             if card.drawn is not None:
                 self._tried.setdefault((card.robot, card.drawn), KEPT)
+
+    def close(self) -> None:
+        """Let other processes build in the folder."""
+        self._lock.close()
 
     def kept(self, robot: str) -> int:
         """Number of a robot's motions."""
@@ -118,6 +126,15 @@ class Build:
         return found
 
 
+def _locked(folder: Path) -> TextIO:
+    """A lock of the folder, which is free again when the process ends."""
+    file = (folder / ".lock").open("w")
+    if not lock(file):
+        file.close()
+        raise InputError(f"{folder}: another process builds in it; expected another folder")
+    return file
+
+
 def read_requests(path: Path) -> list[Request]:
     """Requests of a JSON file: a list of objects with the fields of a `Jump` (rad, m).
 
@@ -158,19 +175,23 @@ def in_turn(requests: Iterator[Request], seeds: int) -> Iterator[Attempt]:
 def on_workers(client: distributed.Client) -> Runner:
     """A `Runner` of the workers of a Dask scheduler."""
     import distributed
+    from distributed.scheduler import KilledWorker
 
     def run(requests: Iterator[Request], seeds: int) -> Iterator[Attempt]:
-        under_way = distributed.as_completed(with_results=False)
-        waiting = 0
+        ended, under_way = distributed.as_completed(), dict[Any, Request]()
         while True:
             most = _UNDER_WAY * max(len(client.nthreads()), 1)
-            while waiting < most and (request := next(requests, None)) is not None:
-                under_way.add(client.submit(run_attempt, request, seeds, LIMIT, pure=False))
-                waiting += 1
-            if not waiting:
+            while len(under_way) < most and (request := next(requests, None)) is not None:
+                future = client.submit(run_attempt, request, seeds, LIMIT, pure=False)
+                under_way[future] = request
+                ended.add(future)
+            if not under_way:
                 return
-            future: Future[Attempt] = next(under_way)
-            waiting -= 1
-            yield future.result()
+            future = next(ended)
+            request = under_way.pop(future)
+            try:
+                yield future.result()
+            except KilledWorker:
+                yield Attempt(request, FAILED, why="workers died while they computed it")
 
     return run

@@ -7,7 +7,7 @@ import pytest
 
 from llsrbm.errors import InputError
 from llsrbm.library.attempt import FAILED, KEPT, NOT_STRICT, THERE, Attempt, NotStrict, judged
-from llsrbm.library.build import Build, read_requests
+from llsrbm.library.build import Build, on_workers, read_requests
 from llsrbm.library.card import Simulated
 from llsrbm.library.file import StoredMotion
 from tests.llsrbm.library.shipped_motions import card, library, plan
@@ -40,6 +40,7 @@ class Runner:
 def built(folder, count, runner):
     build = Build(folder)
     counts = build.run(build.draws(["go2"], count), 0, runner, lambda _: None)
+    build.close()
     return build, counts
 
 
@@ -69,6 +70,29 @@ def test_a_build_that_was_cut_off_goes_on(tmp_path):
     build, counts = built(tmp_path, 6, runner := Runner())
     assert runner.taken == [5, 6, 7]
     assert counts[KEPT] == 2
+
+
+def test_one_process_at_a_time_builds_in_a_folder(tmp_path):
+    build = Build(tmp_path)
+    with pytest.raises(InputError, match="another process builds in it"):
+        Build(tmp_path)
+    build.close()
+    Build(tmp_path).close()
+
+
+def every_third(request, seeds, limit):
+    (found,) = Runner()(iter([request]), seeds)
+    return found
+
+
+def test_workers_of_a_cluster_do_the_same(tmp_path, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    monkeypatch.setattr("llsrbm.library.build.run_attempt", every_third)
+    with distributed.Client(processes=False, n_workers=2, dashboard_address=None) as client:
+        build, counts = built(tmp_path, 4, on_workers(client))
+    assert build.kept("go2") >= 4
+    assert counts[KEPT] <= 4 + 4  # two more a worker were under way
+    assert counts[FAILED] >= 1
 
 
 def test_a_robot_of_which_nothing_comes_is_given_up(tmp_path):
