@@ -267,6 +267,10 @@ def build_command(
             help="Also those of a JSON list of requests, as `plan --json` has one.",
         ),
     ] = None,
+    mirror: Annotated[
+        bool,
+        typer.Option("--mirror", help="Then also their images in a mirror: left jumps right."),
+    ] = False,
     seeds: Seeds = 2,
     workers: options.Workers = None,
     scheduler: options.Scheduler = None,
@@ -289,6 +293,8 @@ def build_command(
         def all_requests() -> Any:
             yield from given
             yield from build.draws(names, count)
+            if mirror:
+                yield from build.images(names)
 
         with console.counting("motions") as progress:
 

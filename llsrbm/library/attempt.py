@@ -29,16 +29,25 @@ class NotStrict(InputError):
 
 @dataclass(frozen=True)
 class Request:
-    """A jump that is asked for: a draw, or one that was given."""
+    """A jump that is asked for: a draw, one that was given, or the image of a motion in a mirror.
+
+    `original`: the motion of which the image is wanted; then jump and tuning are its.
+    """
 
     jump: Jump
     tuning: Tuning
     draw: Draw | None = None
+    original: StoredMotion | None = None
 
     @classmethod
     def drawn(cls, draw: Draw) -> Request:
         """That of a draw."""
         return cls(draw.jump, Tuning(), draw)
+
+    @classmethod
+    def image(cls, original: StoredMotion) -> Request:
+        """The image of a motion."""
+        return cls(original.card.request, original.card.tuning, original=original)
 
     @property
     def number(self) -> int | None:
@@ -96,7 +105,11 @@ def judged(plan: Plan, seeds: int, drawn: int | None = None) -> StoredMotion:
     from llsrbm.library.card import Simulated
     from llsrbm.library.library import stored_motion
 
-    motion = stored_motion(plan, Simulated(), drawn)
+    return _strict(stored_motion(plan, Simulated(), drawn), plan, seeds)
+
+
+def _strict(motion: StoredMotion, plan: Plan, seeds: int) -> StoredMotion:
+    """A motion with its simulations; raises `NotStrict`: one is not strict."""
     found = simulated(plan, seeds)
     if seeds and not found.all_strict:
         raise NotStrict(
@@ -108,6 +121,8 @@ def judged(plan: Plan, seeds: int, drawn: int | None = None) -> StoredMotion:
 def _attempt(request: Request, seeds: int) -> Attempt:
     from llsrbm.api import plan as planned
 
+    if request.original is not None:
+        return Attempt(request, KEPT, _image(request.original, seeds))
     plan = planned(
         request.jump,
         weights=request.tuning.weights,
@@ -118,6 +133,18 @@ def _attempt(request: Request, seeds: int) -> Attempt:
     if not plan.certified:
         return Attempt(request, NOT_CERTIFIED, why="the plan's certificate does not hold")
     return Attempt(request, KEPT, judged(plan, seeds, request.number))
+
+
+def _image(original: StoredMotion, seeds: int) -> StoredMotion:
+    """The image of a motion in a mirror, checked and simulated like any other."""
+    from llsrbm.library.library import checked, robot_of_card
+    from llsrbm.library.mirror import mirrored
+    from llsrbm.library.stored import reopened
+
+    robot, name = robot_of_card(original.card), original.card.name
+    plan = reopened(original.card, original.numbers, robot, name)
+    image = checked(mirrored(original.card, plan, robot), robot)
+    return _strict(image, reopened(image.card, image.numbers, robot, name), seeds)
 
 
 def run_attempt(request: Request, seeds: int, limit: float) -> Attempt:

@@ -21,6 +21,7 @@ from llsrbm.file_locks import lock
 from llsrbm.library.attempt import FAILED, KEPT, LIMIT, THERE, Attempt, Request, run_attempt
 from llsrbm.library.draws import Draw
 from llsrbm.library.library import Library
+from llsrbm.library.mirror import image_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
@@ -50,7 +51,7 @@ class Build:
         self.library = Library(folder)
         self._lock = _locked(folder)
         self._journal = folder / JOURNAL
-        self._tried = self._read_journal()
+        self._tried, self._imaged = self._read_journal()
         for card in self.library.cards:
             if card.drawn is not None:
                 self._tried.setdefault((card.robot, card.drawn), KEPT)
@@ -90,6 +91,18 @@ class Build:
                 if (robot, number) not in self._tried:
                     yield Request.drawn(Draw(robot, number))
 
+    def images(self, robots: Sequence[str]) -> Iterator[Request]:
+        """The images in a mirror of all motions of these robots, but those that were tried.
+
+        A motion that is its own image, or whose image is there, has none.
+        """
+        for card in self.library.found():
+            if card.robot not in robots or card.name in self._imaged:
+                continue
+            request = {"request": image_of(card)}
+            if self.library.with_request(card.model_copy(update=request)) is None:
+                yield Request.image(self.library.stored(card.name))
+
     def _put(self, found: Attempt) -> Attempt:
         if found.motion is None:
             return found
@@ -102,17 +115,24 @@ class Build:
     def _write(self, found: Attempt) -> None:
         request = found.request
         line: dict[str, Any] = {"robot": request.jump.robot, "status": found.status}
+        if request.original is not None:
+            line["image_of"] = request.original.card.name
+            self._imaged.add(request.original.card.name)
         if request.draw is not None:
             line |= {"draw": request.draw.number, "kind": request.draw.kind}
             self._tried[request.jump.robot, request.draw.number] = found.status
         with self._journal.open("a", encoding="utf-8") as file:
             file.write(json.dumps(line | {"why": found.why}) + "\n")
 
-    def _read_journal(self) -> dict[tuple[str, int], str]:
-        """(robot, draw) -> what became of it; a line that was cut off is none."""
+    def _read_journal(self) -> tuple[dict[tuple[str, int], str], set[str]]:
+        """(robot, draw) -> what became of it, and names of motions whose images were tried.
+
+        A line that was cut off is none.
+        """
         found: dict[tuple[str, int], str] = {}
+        imaged: set[str] = set()
         if not self._journal.is_file():
-            return found
+            return found, imaged
         text = self._journal.read_text(encoding="utf-8")
         if not text.endswith("\n"):  # the next line begins anew
             with self._journal.open("a", encoding="utf-8") as file:
@@ -120,10 +140,13 @@ class Build:
         for line in text.splitlines():
             try:
                 entry = json.loads(line)
+                if "image_of" in entry:
+                    imaged.add(str(entry["image_of"]))
+                    continue
                 found[str(entry["robot"]), int(entry["draw"])] = str(entry["status"])
             except (ValueError, LookupError, TypeError):
                 continue
-        return found
+        return found, imaged
 
 
 def _locked(folder: Path) -> TextIO:

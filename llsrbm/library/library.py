@@ -83,7 +83,7 @@ class Library:
             RobotFileError: the robot is not there.
         """
         path, meta, card = self._entry(name)
-        robot = _robot(card)
+        robot = robot_of_card(card)
         if list(robot.joint_names) != meta.joint_names:
             raise FileFormatError(
                 f"{path}: the motions are of {meta.robot} with the joints "
@@ -188,13 +188,22 @@ def stored_motion(plan: Plan, simulated: Simulated, drawn: int | None = None) ->
         refinement=plan.refinement,
         intervals=intervals,
     )
-    kept = reopened(card, numbers, robot, card.name)
+    return checked(StoredMotion(card, numbers), robot)
+
+
+def checked(motion: StoredMotion, robot: Robot) -> StoredMotion:
+    """A motion with the certificate and the figures of what is kept of it.
+
+    Raises `InputError`: the certificate does not hold.
+    """
+    card = motion.card
+    kept = reopened(card, motion.numbers, robot, card.name)
     certificate = certify(kept, robot)
     if not certificate.holds:
         broken = ", ".join(found.name for found in certificate.broken) or "some are not known"
         raise InputError(f"the certificate does not hold ({broken}); expected one that does")
-    checked = {"figures": Figures.of(kept, certificate), "certificate": certificate.as_dict()}
-    return StoredMotion(card.model_copy(update=checked), numbers)
+    found = {"figures": Figures.of(kept, certificate), "certificate": certificate.as_dict()}
+    return StoredMotion(card.model_copy(update=found), motion.numbers)
 
 
 def stem_of(card: Card) -> str:
@@ -206,7 +215,7 @@ def _key(card: Card) -> str:
     return json.dumps([card.robot, rounded_request(card.request)], sort_keys=True)
 
 
-def _robot(card: Card) -> Robot:
+def robot_of_card(card: Card) -> Robot:
     """A motion's robot with its payload, its drives as strong and as fast as planned with."""
     strength, battery = (card.limits.get(name, 1.0) for name in ("drive_strength", "battery"))
     loaded = with_payload(load_robot(card.robot), card.request.payload)

@@ -84,7 +84,12 @@ def stored(plan: Plan, robot: Robot | None = None) -> tuple[tuple[int, ...], Sto
         )
     robot = robot or robot_of(plan)
     grid = Grid.of(plan)
-    motion = motion_of(plan, robot, grid)
+    numbers = row_of(motion_of(plan, robot, grid), plan.foot_quat, robot, grid)
+    return tuple(count for _, count in grid.phases), numbers
+
+
+def row_of(motion: Motion, foot_quat: Array, robot: Robot, grid: Grid) -> Stored:
+    """A motion as one row of numbers; `foot_quat`: (2 N + 1, L, 4), of which soles' count."""
     rows = [
         motion.durations,
         *(values for name, values in motion.state.items() if name != "durations"),
@@ -92,9 +97,8 @@ def stored(plan: Plan, robot: Robot | None = None) -> tuple[tuple[int, ...], Sto
         motion.force[_standing(grid, len(robot.legs), motion.force.shape[2])],
     ]
     if not robot.file.foot.is_point:
-        rows.append(plan.foot_quat)
-    numbers = np.concatenate([np.ravel(values) for values in rows]).astype(np.float32)
-    return tuple(count for _, count in grid.phases), numbers
+        rows.append(foot_quat)
+    return np.concatenate([np.ravel(values) for values in rows]).astype(np.float32)
 
 
 def _standing(grid: Grid, legs: int, contacts: int) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ from llsrbm.library.attempt import FAILED, KEPT, NOT_STRICT, THERE, Attempt, Not
 from llsrbm.library.build import Build, on_workers, read_requests
 from llsrbm.library.card import Simulated
 from llsrbm.library.file import StoredMotion
+from llsrbm.library.mirror import image_of
 from tests.llsrbm.library.shipped_motions import card, library, plan
 
 
@@ -93,6 +94,23 @@ def test_workers_of_a_cluster_do_the_same(tmp_path, monkeypatch):
     assert build.kept("go2") >= 4
     assert counts[KEPT] <= 4 + 4  # two more a worker were under way
     assert counts[FAILED] >= 1
+
+
+def test_images_are_tried_once_where_there_is_another(tmp_path):
+    build, _ = built(tmp_path, 4, Runner())
+    build = Build(tmp_path)
+    wanted = list(build.images(["go2"]))
+    moved = [each for each in build.library.cards if image_of(each) != each.request]
+    assert [each.original.card.name for each in wanted] == sorted(each.name for each in moved)
+    assert list(build.images(["anymal"])) == []
+
+    def none(requests, seeds):
+        for request in requests:
+            yield Attempt(request, FAILED)
+
+    build.run(iter(wanted), 0, none, lambda _: None)
+    build.close()
+    assert list(Build(tmp_path).images(["go2"])) == []
 
 
 def test_a_robot_of_which_nothing_comes_is_given_up(tmp_path):
