@@ -3,7 +3,7 @@
     DIR/index.html              all motions, with filters and sketches of their paths
     DIR/motions/NAME.html       figures, player, certificate, downloads
     DIR/players/NAME.html       the replay alone, for frames; what replays share is in `shared`
-    DIR/downloads/NAME.csv      base and joints at 30 Hz; NAME.jump.json: the request
+    DIR/downloads/NAME.csv      base and joints at 25 Hz; NAME.jump.json: the request
     DIR/library/                the library's own files, with its card
 
 Nothing is asked of a network, and nothing is simulated.
@@ -33,7 +33,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.number_text import decimal, degrees, percent
 
-RATE = 30.0  # frames/s of players and tables: a player mixes between them
+RATE = 25.0  # frames/s of players and tables: a player mixes between them
 _POINTS = 24  # of a sketch
 _DOWNLOADS = (
     ("unitree-csv", ".csv", "base and joints, a row a frame"),
