@@ -299,7 +299,8 @@ def build_command(
         with console.counting("motions") as progress:
 
             def note(_: Attempt) -> None:
-                progress(sum(map(build.kept, names)), total)
+                done = sum(map(build.kept, names))
+                progress(done, max(done, total))
 
             def run(runner: Runner) -> Any:
                 return build.run(all_requests(), seeds, runner, note)
