@@ -88,6 +88,31 @@ class Refiner:
             _log.info("the whole-body problem did not converge: %s", rounds.solutions[-1].message)
         return self._ended(rounds, plan, called)
 
+    def keep(self, plan: Plan, task: Task, near: float, watch: Watch) -> Plan:
+        """The whole body's plan nearest to a motion, of which nothing need hold.
+
+        Where it is not found it is that motion; its `refinement` says which.
+
+        Args:
+            plan: the motion, on any grid.
+            task: of its own footholds, which its request need not know.
+            near: weight of nearness to it.
+            watch: of progress and cancellation.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        called = time.perf_counter()
+        watch.wait()
+        watch.begin("the whole body's dynamics, near to the motion")
+        rounds = self._rounds(plan, watch)
+        start = start_of(plan, self.robot, self.grid, task).kept(near)
+        if plan.refined:
+            rounds.near(start.straighter())
+        else:
+            rounds.solve(start)
+        return self._ended(rounds, plan, called)
+
     def learned(self, task: Task, watch: Watch) -> Plan | None:
         """The whole body's plan, begun from jumps nearby that were solved before, without a draft.
 

@@ -181,6 +181,10 @@ class Start:
         """The same beside a whole body's motion, which of such a model is its own already."""
         return replace(self, weights={**self.weights, **(OWN if self.keeps_own else {})})
 
+    def kept(self, near: float) -> Start:
+        """The same beside a motion that is to be kept as it is, by a weight of nearness to it."""
+        return replace(self, weights={**self.weights, **OWN, "near": near})
+
 
 def _standing(task: Task, robot: Robot) -> Postures:
     """The robot as it stands at the start, and at the end."""
@@ -199,9 +203,9 @@ def _standing(task: Task, robot: Robot) -> Postures:
     )
 
 
-def start_of(plan: Plan, robot: Robot, grid: Grid) -> Start:
-    """A plan as the whole-body problem begins from it."""
-    task = task_of(plan, robot)
+def start_of(plan: Plan, robot: Robot, grid: Grid, task: Task | None = None) -> Start:
+    """A plan as the whole-body problem begins from it; `task`: its own, None: of its request."""
+    task = task or task_of(plan, robot)
     time, known = grid.times(plan.phase_start), plan.time
     state = _states(plan, robot, time)
     halves = np.diff(time)[:, None]

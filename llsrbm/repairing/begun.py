@@ -1,0 +1,187 @@
+"""A part of a motion as a plan's knots: what the whole-body problem begins from, and stays near to.
+
+Its phases last as the motion has them, or as gravity lets flights last where it was slowed down or
+sped up. Frames that are a little off are smoothed by as much. At both ends the robot stands at rest
+on its footholds, as near to the motion's posture as it can.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.interpolate import UnivariateSpline
+
+from llsrbm.arrays import Array
+from llsrbm.body.postures import solve_postures
+from llsrbm.body.momentum import centroidal_states
+from llsrbm.mechanics import (
+    GRAVITY,
+    apply,
+    interpolated,
+    quaternion_product,
+    quaternions_about_z,
+    rotation_matrices,
+    rotation_vectors,
+    sign_continuous,
+    turns_between,
+)
+from llsrbm.motion.plan import Plan
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.motion import Motion
+from llsrbm.planning.whole_body.result import Feet, plan_of
+from llsrbm.planning.whole_body.sizes import NODES, Sizes
+from llsrbm.planning.whole_body.start import footholds, tilts
+from llsrbm.planning.whole_body.unplanned import unplanned
+from llsrbm.repairing.part import NoJump
+from llsrbm.repairing.phases import noise
+from llsrbm.repairing.request import Asked
+from llsrbm.robots.robot import Robot
+
+FARTHEST = 0.03  # m that a foot may be from its foothold as the robot stands at an end
+_RATES = {
+    "acceleration": "velocity",
+    "omega_rate": "omega",
+    "joint_acceleration": "joint_velocity",
+}
+
+
+def begun(asked: Asked, robot: Robot, grid: Grid, solver: str) -> Plan:
+    """The motion on a grid, in the project's frame; nothing of it need hold.
+
+    `solver`: that will solve it. Raises `NoJump`: the robot cannot stand as the motion does.
+    """
+    task, part = asked.task, asked.part
+    durations = _durations(asked)
+    edges = np.concatenate([[0.0], np.cumsum(durations)])
+    time = grid.times(edges)
+    states = _states(asked, grid, time)
+    _stand(asked, robot, states)
+    halves = np.diff(time)[:, None]
+    shape = grid.intervals, len(NODES)
+    rates = {
+        name: (np.diff(states[of], axis=0) / halves).reshape(*shape, -1)
+        for name, of in _RATES.items()
+    }
+    state = {name: values[::2] for name, values in states.items()}
+    state["durations"] = np.tile(durations, (grid.intervals + 1, 1))
+    motion = Motion(time[::2], state, rates, _forces(rates["acceleration"], grid, robot))
+    place, heading = footholds(task, grid)
+    feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
+    del part
+    return plan_of(motion, feet, unplanned(task, robot, solver), robot, grid)
+
+
+def _durations(asked: Asked) -> Array:
+    """(P,) s: as the motion would last if gravity had let its flights last so, within what may be."""
+    wanted = np.diff(asked.part.edges) / asked.part.slower
+    low, high = np.array([asked.task.times(p) for p in range(len(wanted))]).T
+    return np.clip(wanted, low, high)
+
+
+def file_times(asked: Asked, edges: Array, time: Array) -> Array:
+    """Instants of the motion, s of its own time, that instants (K,) s of a plan stand for.
+
+    `edges`: (P + 1,) s of the plan's phases. Each phase is stretched evenly.
+    """
+    return np.interp(time, edges, asked.part.edges)
+
+
+def _states(asked: Asked, grid: Grid, time: Array) -> dict[str, Array]:
+    """Name -> (2 N + 1, n) states of the motion at a grid's instants, rates in a plan's time."""
+    own = asked.part.edges
+    known = asked.part.motion
+    at = grid.times(own)
+    phase = np.array([grid.phase_at(half) for half in range(len(time))])
+    durations = np.interp(np.arange(len(own)), np.arange(len(own)), own)
+    faster = np.diff(durations) / _durations(asked)
+    faster = faster[phase][:, None]
+    position = asked.frame.points(known.base_position)
+    quat = asked.frame.attitudes(known.base_quat)
+    # As turns from the first attitude beside a mean heading: small but for twists.
+    columns = np.hstack([position, sign_continuous(quat), known.joint_position])
+    values, slopes = _smooth(known.time, columns, at)
+    lower = interpolated(at, own, _at_edges(asked))
+    values[:, 2] -= lower
+    quat = values[:, 3:7] / np.linalg.norm(values[:, 3:7], axis=1, keepdims=True)
+    # The rate of a unit quaternion, in the base's axes.
+    w, v = quat[:, :1], quat[:, 1:]
+    dw, dv = slopes[:, 3:4], slopes[:, 4:7]
+    omega = 2 * (w * dv - dw * v - np.cross(v, dv))
+    return {
+        "position": values[:, :3],
+        "quat": quat,
+        "joint_position": values[:, 7:],
+        "velocity": slopes[:, :3] * faster,
+        "omega": omega * faster,
+        "joint_velocity": slopes[:, 7:] * faster,
+    }
+
+
+def _at_edges(asked: Asked) -> Array:
+    """(P + 1,) m by which the motion's feet are above their footholds, at the phases' edges."""
+    places = np.array(asked.part.places)
+    before = np.array([0, *places])
+    after = np.array([*places, places[-1]])
+    flight = [*(not feet for feet in asked.part.feet), False]
+    # A flight's place is that of what follows; at its beginning feet are where they were.
+    at = np.where(flight, before, np.where([False, *flight[:-1]], after, before))
+    found: Array = asked.sunk[at]
+    return found
+
+
+def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
+    """Values (K, n) at times (K,) s, and their rates, at instants (M,): splines that miss frames by
+    as much as these are off.
+    """
+    found, slopes = np.empty((2, len(at), values.shape[1]))
+    degree = min(3, len(time) - 1)
+    for i, column in enumerate(values.T):
+        off = noise(column)
+        spline = UnivariateSpline(time, column, k=degree, s=len(time) * off**2)
+        found[:, i], slopes[:, i] = spline(at), spline.derivative()(at)
+    return found, slopes
+
+
+def _stand(asked: Asked, robot: Robot, states: dict[str, Array]) -> None:
+    """Have the robot stand at rest at both ends, as near to its posture there as it can."""
+    task = asked.task
+    ends = [0, -1]
+    q = np.hstack(
+        [
+            states["position"][ends],
+            np.roll(states["quat"][ends], -1, axis=1),
+            states["joint_position"][ends],
+        ]
+    )
+    com, _, _ = centroidal_states(robot.model, q, np.zeros((2, robot.model.nv)))
+    quat = states["quat"][ends]
+    if len(robot.corners) > 1:
+        quat = quat.copy()
+    feet = np.array([task.places[0].feet, task.places[-1].feet])
+    soles = quaternions_about_z(np.array([task.places[0].yaw, task.places[-1].yaw]))
+    near = states["joint_position"][ends]
+    found = solve_postures(robot, com, quat, feet, soles, near=near)
+    if found.residual_m.max() > FARTHEST:
+        when = ("begins", "ends")[int(found.residual_m.argmax())]
+        raise NoJump(
+            f"{robot.name} cannot stand as the motion {when}: a foot is "
+            f"{100 * found.residual_m.max():.0f} cm from where it stands"
+        )
+    states["position"][ends] = found.base_position
+    states["joint_position"][ends] = found.joint_position
+    for name in _RATES.values():
+        states[name][ends] = 0.0
+
+
+def _forces(acceleration: Array, grid: Grid, robot: Robot) -> Array:
+    """(N, nodes, C, 3) N: what a point mass needs, shared evenly by the feet that stand."""
+    corners, legs = len(robot.corners), len(robot.legs)
+    total = robot.mass * (acceleration + [0.0, 0.0, GRAVITY])
+    total[..., 2] = np.maximum(total[..., 2], 0.0)
+    found = np.zeros((grid.intervals, len(NODES), legs, corners, 3))
+    for k, knot in enumerate(grid.knots[:-1]):
+        standing = list(knot.standing)
+        if standing:
+            found[k][:, standing] = (total[k] / (len(standing) * corners))[:, None, None]
+    return found.reshape(grid.intervals, len(NODES), -1, 3)

@@ -1,0 +1,214 @@
+"""The request that a part of a motion asks for: its jump, its schedule, its footholds.
+
+The project's frame has its origin under the robot as it stands at the start. There a motion of
+another frame is brought: so that its feet stand as near as they can to the robot's own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from llsrbm.arrays import Array
+from llsrbm.mechanics import apply, quaternion_product, quaternions_about_z, turns_about_z, yaw
+from llsrbm.motion.whole_body import pinocchio_states
+from llsrbm.planning.problem.placement import place_task
+from llsrbm.planning.problem.task import Footholds, Task, contact_points
+from llsrbm.repairing.part import NoJump, Part, merged
+from llsrbm.request.jump import IN_A_ROW, PLAIN, Jump
+from llsrbm.request.jump_types import JumpType, names
+from llsrbm.request.route import MOST, Landing
+from llsrbm.robots.robot import Robot
+
+LEVEL = 0.015  # m: what lands less high or deep lands on the same ground
+ASIDE = 0.02  # m beside where it lands by itself, from which a foot's place is a stone of the jump
+_DIGITS = 4  # of a jump's numbers, m and rad
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The project's frame in the file's: `yaw` rad about the vertical, then `origin` (3,) m."""
+
+    yaw: float
+    origin: Array
+
+    def points(self, points: Array) -> Array:
+        """Points (..., 3) m of the file, in the project's frame."""
+        return (points - self.origin) @ turns_about_z(self.yaw)
+
+    def attitudes(self, quat: Array) -> Array:
+        """Attitudes (..., 4) of the file, in the project's frame."""
+        back = np.broadcast_to(quaternions_about_z(-self.yaw), quat.shape)
+        return quaternion_product(back, quat)
+
+    def back(self, points: Array) -> Array:
+        """Points (..., 3) m of the project's frame, in the file's."""
+        return points @ turns_about_z(self.yaw).T + self.origin
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What a part of a motion asks for.
+
+    Attributes:
+        part: of the motion; frame: the project's, in the file's.
+        task: with the motion's own footholds in place of the robot's.
+        sunk: (places,) m by which the motion's feet stand above their footholds.
+    """
+
+    part: Part
+    frame: Frame
+    task: Task
+    sunk: Array
+
+
+def asked(part: Part, robot: Robot) -> Asked:
+    """The request of a part of a motion.
+
+    Raises:
+        NoJump: feet stand in an order of which there is no jump type; a body that turns over.
+    """
+    part, kind = _of_a_type(part, robot)
+    places = part.footholds()
+    middles, headings = _stood(places, robot)
+    headings = _whole_turns(part, headings)
+    frame = Frame(float(headings[0]), np.array([*middles[0], places[0, :, 2].mean()]))
+    height = places[..., 2].mean(axis=1) - frame.origin[2]
+    height[np.abs(height) < LEVEL] = 0.0
+    landings = [
+        Landing(*_rounded([*ahead, rise, turn]))
+        for ahead, rise, turn in zip(
+            _steps(middles, headings), np.diff(height), np.diff(headings), strict=True
+        )
+    ]
+    jump = _jump(robot, kind, landings)
+    task = place_task(jump, robot)
+    feet = frame.points(places)
+    sunk = feet[..., 2].mean(axis=1) - height
+    feet[..., 2] = height[:, None]
+    yaws = _sole_yaws(part, robot) - frame.yaw if len(robot.corners) > 1 else 0 * feet[..., 0]
+    own = tuple(
+        _footholds(robot, feet[k], yaws[k], float(headings[k] - headings[0]), place.origin)
+        for k, place in enumerate(task.places)
+    )
+    if len(landings) == 1:
+        task = replace(task, jump=replace(jump, stones=_stones(task, feet[-1])))
+    return Asked(part, frame, replace(task, places=own), sunk)
+
+
+def _of_a_type(part: Part, robot: Robot) -> tuple[Part, str]:
+    """The jump type of a part; of one that has none, that of it without its short phases."""
+    if part.flights > MOST:
+        raise NoJump(f"it has {part.flights} flights in a row; expected at most {MOST}")
+    for one in (part, merged(part)):
+        for name, kind in names().items():
+            if _plain(kind) and _feet(kind, robot, one.flights) == one.feet:
+                return one, name
+    order = " - ".join(phase.name for phase in part.phases)
+    raise NoJump(f"its feet stand in an order of which there is no jump type ({order})")
+
+
+def _plain(kind: JumpType) -> bool:
+    """Whether jumps of a type are from rest to rest, over nothing, and do not turn over."""
+    beside = {"roll", "pitch", "speed", "end_speed"} & set(kind.parameters)
+    return not (beside or kind.obstacle or kind.displacement)
+
+
+def _feet(kind: JumpType, robot: Robot, flights: int) -> tuple[tuple[str, ...], ...] | None:
+    """Which feet stand in the phases of a type's jumps with so many flights; None: it has none."""
+    hops = "hops" in kind.parameters
+    if flights > 1 and not hops:
+        return None
+    schedule = kind.schedule(robot, Jump(hops=flights) if hops else Jump())
+    return tuple(phase.feet for phase in schedule)
+
+
+def _stood(places: Array, robot: Robot) -> tuple[Array, Array]:
+    """Where a robot stands whose feet stand in places (n, L, 3) m: (n, 2) m and (n,) rad.
+
+    The turn and shift that bring its own feet there, but for as little as can be.
+    """
+    own = robot.feet[:, :2]
+    middle = own.mean(axis=0)
+    found, headings = [], []
+    for feet in places[..., :2]:
+        there = feet.mean(axis=0)
+        a, b = own - middle, feet - there
+        turn = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
+        headings.append(turn)
+        found.append(there - turns_about_z(turn)[:2, :2] @ middle)
+    return np.array(found), np.array(headings)
+
+
+def _whole_turns(part: Part, headings: Array) -> Array:
+    """Headings (n,) rad as the base has turned in between, whole turns counted."""
+    motion = part.motion
+    if part.turns_over:
+        raise NoJump("the body turns over, and of flips and rolls there are no certified plans")
+    base = yaw(motion.base_quat)
+    found = headings.copy()
+    own = part.places
+    for place in range(1, len(headings)):
+        stands = [k for k, at in enumerate(own) if at == place and part.feet[k]]
+        at = np.interp(part.edges[[0, stands[-1] + 1]], motion.time, base)
+        turned = headings[0] + at[1] - at[0]
+        found[place] += 2 * np.pi * np.round((turned - headings[place]) / (2 * np.pi))
+    return found
+
+
+def _steps(middles: Array, headings: Array) -> Array:
+    """(n - 1, 2) m ahead and to the left, from each place (n, 2) m to the next."""
+    steps = np.diff(middles, axis=0)
+    back = np.swapaxes(turns_about_z(headings[:-1]), -1, -2)[:, :2, :2]
+    return apply(back, steps)
+
+
+def _rounded(values: list[Any]) -> list[float]:
+    return [round(float(value), _DIGITS) + 0.0 for value in values]
+
+
+def _jump(robot: Robot, kind: str, landings: list[Landing]) -> Jump:
+    name = str(robot.name)
+    if len(landings) > 1:
+        return Jump(robot=name, type=IN_A_ROW, route=tuple(landings))
+    amounts: dict[str, Any] = {n: v for n, v in landings[0]._asdict().items() if v}
+    return Jump(robot=name, type=kind if kind != IN_A_ROW else PLAIN, **amounts)
+
+
+def _stones(task: Task, feet: Array) -> tuple[tuple[str, float, float, float], ...]:
+    """Feet (L, 3) m that land beside where they would by themselves."""
+    place = task.places[-1]
+    aside = (feet - place.feet) @ turns_about_z(place.heading)
+    return tuple(
+        (leg, *_rounded([x, y]), 0.0)
+        for leg, (x, y, _) in zip(task.schedule.legs, aside, strict=True)
+        if np.hypot(x, y) > ASIDE
+    )
+
+
+def _footholds(robot: Robot, feet: Array, yaws: Array, heading: float, origin: Array) -> Footholds:
+    contacts = contact_points(feet, yaws, np.array(robot.corners))
+    return Footholds(feet, yaws, contacts, np.zeros((len(feet), 2)), heading, origin)
+
+
+def _sole_yaws(part: Part, robot: Robot) -> Array:
+    """(places, L) rad, file's frame: where soles look that stand, in the middle of that."""
+    model, data = robot.model, robot.model.createData()
+    motion = part.motion
+    q, _ = pinocchio_states(motion.qpos, motion.qvel)
+    found = np.empty((part.flights + 1, len(robot.legs)))
+    for place in range(len(found)):
+        own = [k for k, at in enumerate(part.places) if at == place and part.feet[k]]
+        frames = np.flatnonzero(
+            (motion.time >= part.edges[own[0]]) & (motion.time <= part.edges[own[-1] + 1])
+        )
+        ahead = []
+        for k in frames:
+            pin.framesForwardKinematics(model, data, q[k])
+            ahead.append([data.oMf[leg.foot_frame_id].rotation[:2, 0] for leg in robot.legs])
+        x, y = np.median(ahead, axis=0).T
+        found[place] = np.arctan2(y, x)
+    return found
