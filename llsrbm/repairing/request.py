@@ -18,10 +18,12 @@ from llsrbm.motion.whole_body import pinocchio_states
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.repairing.part import NoJump, Part, merged
+from llsrbm.repairing.phases import ContactPhase
 from llsrbm.request.jump import IN_A_ROW, PLAIN, Jump
 from llsrbm.request.jump_types import JumpType, names
 from llsrbm.request.route import MOST, Landing
 from llsrbm.robots.robot import Robot
+from llsrbm.robots.schema import robot_files
 
 LEVEL = 0.015  # m: what lands less high or deep lands on the same ground
 ASIDE = 0.02  # m beside where it lands by itself, from which a foot's place is a stone of the jump
@@ -63,6 +65,12 @@ class Asked:
     frame: Frame
     task: Task
     sunk: Array
+
+    @property
+    def phases(self) -> tuple[ContactPhase, ...]:
+        """Those of the part, as the schedule calls them."""
+        both = zip(self.part.phases, self.task.schedule, strict=True)
+        return tuple(replace(own, name=phase.name) for own, phase in both)
 
 
 def asked(part: Part, robot: Robot) -> Asked:
@@ -171,7 +179,8 @@ def _rounded(values: list[Any]) -> list[float]:
 
 
 def _jump(robot: Robot, kind: str, landings: list[Landing]) -> Jump:
-    name = str(robot.name)
+    known = robot_files().get(robot.name)
+    name = robot.name if known == robot.path else str(robot.path)
     if len(landings) > 1:
         return Jump(robot=name, type=IN_A_ROW, route=tuple(landings))
     amounts: dict[str, Any] = {n: v for n, v in landings[0]._asdict().items() if v}

@@ -91,7 +91,8 @@ class Refiner:
     def keep(self, plan: Plan, task: Task, near: float, watch: Watch) -> Plan:
         """The whole body's plan nearest to a motion, of which nothing need hold.
 
-        Where it is not found it is that motion; its `refinement` says which.
+        Where it is not found it is that motion; its `refinement` says which, its `violations` what
+        the rows of the problem miss.
 
         Args:
             plan: the motion, on any grid.
@@ -111,7 +112,7 @@ class Refiner:
             rounds.near(start.straighter())
         else:
             rounds.solve(start)
-        return self._ended(rounds, plan, called)
+        return replace(self._ended(rounds, plan, called), violations=rounds.found)
 
     def learned(self, task: Task, watch: Watch) -> Plan | None:
         """The whole body's plan, begun from jumps nearby that were solved before, without a draft.
