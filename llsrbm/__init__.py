@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
     from llsrbm.planning.whole_body.feedback import with_feedback
+    from llsrbm.repairing.repair import repair
+    from llsrbm.repairing.result import Repair
     from llsrbm.request.design import Design, dump_design, load_design
     from llsrbm.request.jump import Jump
     from llsrbm.request.scenario import Push, Scenario
@@ -59,6 +61,8 @@ _LATER = {
         "llsrbm.motion.plan": ("Plan",),
         "llsrbm.motion.rollout": ("Rollout",),
         "llsrbm.planning.whole_body.feedback": ("with_feedback",),
+        "llsrbm.repairing.repair": ("repair",),
+        "llsrbm.repairing.result": ("Repair",),
     }.items()
     for name in names
 }
@@ -73,6 +77,7 @@ __all__ = [
     "NotConverged",
     "Plan",
     "Push",
+    "Repair",
     "RobotFileError",
     "Rollout",
     "Scenario",
@@ -87,6 +92,7 @@ __all__ = [
     "load_design",
     "load_motion",
     "plan",
+    "repair",
     "sensitivity",
     "simulate",
     "with_feedback",

@@ -25,7 +25,7 @@ STILL = 0.006  # m, standard deviation of its places over that time
 OFF = 0.006
 SAME = 0.03  # m that a foot slips where it stands
 NOISE = 2.0  # standard deviations of what each frame is off by that count as being off
-LIFTS = 0.02  # s, at most, for which a foot has been leaving that is so far off
+LIFTS = 0.01  # s, at most, for which a foot has been leaving that is so far off
 TOGETHER = 0.05  # s within which feet leave, or land, together: simulated feet land 12 ms apart
 
 

@@ -1,0 +1,41 @@
+"""Motions of feet in closed form, whose contacts are known."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities, whole_body_motion
+from llsrbm.robots import load_robot
+from tests.llsrbm.player.stages import stored_plan
+
+GO2 = load_robot("go2")
+
+
+@cache
+def jump(fps: float = 50.0) -> WholeBodyMotion:
+    """Go2's quarter turn that comes with the project, as another tool would have it: states alone."""
+    motion = whole_body_motion(stored_plan(), fps)
+    return of_states(motion.time, motion.qpos)
+
+
+def of_states(time: np.ndarray, qpos: np.ndarray) -> WholeBodyMotion:
+    return motion_of_states(GO2, "somebody's", time, qpos, velocities(time, qpos))
+
+
+def stepping(lift, land, *, fps=50.0, until=2.0, rise=0.0, ground=0.0, noise=0.0) -> WholeBodyMotion:
+    """Feet that leave at `lift` and come down at `land`, s (4,): parabolas ahead of 0.3 m.
+
+    `rise`: m that they land higher; `ground`: m of where they stand; `noise`: m.
+    """
+    time = np.arange(0.0, until + 1e-9, 1 / fps)
+    place = np.tile(GO2.feet, (len(time), 1, 1))
+    for foot, (start, end) in enumerate(zip(lift, land, strict=True)):
+        share = np.clip((time - start) / (end - start), 0.0, 1.0)
+        place[:, foot, 0] += 0.3 * share
+        place[:, foot, 2] += 0.6 * share * (1 - share) + rise * share
+    place[..., 2] += ground
+    place += noise * np.random.default_rng(1).normal(size=place.shape)
+    blank = np.zeros((len(time), 3))
+    base = jump()
+    return replace(base, time=time, foot_position=place, com=blank)
