@@ -24,7 +24,8 @@ def of_states(time: np.ndarray, qpos: np.ndarray) -> WholeBodyMotion:
 
 
 def stepping(lift, land, *, fps=50.0, until=2.0, rise=0.0, ground=0.0, noise=0.0) -> WholeBodyMotion:
-    """Feet that leave at `lift` and come down at `land`, s (4,): parabolas ahead of 0.3 m.
+    """Feet that leave at `lift` and come down at `land`, s (4,): parabolas ahead of 0.3 m; and a CoM
+    that falls freely from when the last one has left until the first one lands.
 
     `rise`: m that they land higher; `ground`: m of where they stand; `noise`: m.
     """
@@ -36,6 +37,14 @@ def stepping(lift, land, *, fps=50.0, until=2.0, rise=0.0, ground=0.0, noise=0.0
         place[:, foot, 2] += 0.6 * share * (1 - share) + rise * share
     place[..., 2] += ground
     place += noise * np.random.default_rng(1).normal(size=place.shape)
-    blank = np.zeros((len(time), 3))
-    base = jump()
-    return replace(base, time=time, foot_position=place, com=blank)
+    com = np.column_stack([0 * time, 0 * time, _height(time, max(lift), min(land), rise)])
+    return replace(jump(), time=time, foot_position=place, com=com)
+
+
+def _height(time, start, end, rise):
+    """m: pushed off evenly for 0.3 s, in free fall, braked evenly for 0.3 s."""
+    g, push, flight = 9.81, 0.3, end - start
+    up = rise / flight + g * flight / 2
+    down = up - g * flight
+    speed = np.interp(time, [start - push, start, end, end + push], [0.0, up, down, 0.0])
+    return 0.3 + np.concatenate([[0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2)])
