@@ -85,7 +85,14 @@ app.add_typer(library_app)
 for _command in (
     *(plan_command, simulate_command, export_command, replay_command, robots_command),
     *(models_command, types_command, tuning_command, formats_command, designs_command),
-    *(check_command, repair_command, compare_command, largest_command, sweep_command, atlas_command),
+    *(
+        check_command,
+        repair_command,
+        compare_command,
+        largest_command,
+        sweep_command,
+        atlas_command,
+    ),
     *(dataset_command, robot_sim_command, deploy_command, identify_command),
 ):
     app.command(_command.__name__.removesuffix("_command").replace("_", "-"))(_command)

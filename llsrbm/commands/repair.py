@@ -21,6 +21,9 @@ def repair_command(
     ],
     robot: options.Mover = "anymal",
     fps: options.Fps = None,
+    jump: Annotated[
+        int, typer.Option(metavar="N", help="Which of several jumps that are apart.")
+    ] = 1,
     out: options.Out = None,
     as_json: options.AsJson = False,
 ) -> int:
@@ -36,7 +39,7 @@ def repair_command(
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
-        found = llsrbm.repair(motion, progress=console.show_planning)
+        found = llsrbm.repair(motion, jump=jump, progress=console.show_planning)
         if out is not None and found.plan is not None:
             llsrbm.with_feedback(found.plan).save(out)
         summary: dict[str, Any] = {"file": str(file), "remarks": list(remarks), **found.as_dict()}
@@ -65,6 +68,8 @@ def _description(found: Repair) -> dict[str, str]:
             f"joints {by.joint_rms_rad:.3f} rad (rms), base {100 * by.base_rms_m:.1f} cm (rms), "
             f"landing {100 * by.landing_m:.1f} cm"
         )
+    for beside in found.rest:
+        rows[f"Beside, {beside.start_s:.2f} to {beside.end_s:.2f} s"] = _broken(beside.certificate)
     if found.why and found.status != "failed":
         rows["Remark"] = found.why
     return rows

@@ -7,30 +7,23 @@ on its footholds, as near to the motion's posture as it can.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from scipy.interpolate import UnivariateSpline
 
 from llsrbm.arrays import Array
-from llsrbm.body.postures import solve_postures
 from llsrbm.body.momentum import centroidal_states
+from llsrbm.body.postures import solve_postures
 from llsrbm.mechanics import (
     GRAVITY,
-    apply,
     interpolated,
-    quaternion_product,
     quaternions_about_z,
-    rotation_matrices,
-    rotation_vectors,
     sign_continuous,
-    turns_between,
 )
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.result import Feet, plan_of
-from llsrbm.planning.whole_body.sizes import NODES, Sizes
+from llsrbm.planning.whole_body.sizes import NODES
 from llsrbm.planning.whole_body.start import footholds, tilts
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.repairing.part import NoJump
@@ -39,6 +32,7 @@ from llsrbm.repairing.request import Asked
 from llsrbm.robots.robot import Robot
 
 FARTHEST = 0.03  # m that a foot may be from its foothold as the robot stands at an end
+BESIDE = 0.2  # s of the motion beside its jump that smoothing looks at
 _RATES = {
     "acceleration": "velocity",
     "omega_rate": "omega",
@@ -51,11 +45,11 @@ def begun(asked: Asked, robot: Robot, grid: Grid, solver: str) -> Plan:
 
     `solver`: that will solve it. Raises `NoJump`: the robot cannot stand as the motion does.
     """
-    task, part = asked.task, asked.part
+    task = asked.task
     durations = _durations(asked)
     edges = np.concatenate([[0.0], np.cumsum(durations)])
     time = grid.times(edges)
-    states = _states(asked, grid, time)
+    states = _states(asked, grid)
     _stand(asked, robot, states)
     halves = np.diff(time)[:, None]
     shape = grid.intervals, len(NODES)
@@ -68,12 +62,11 @@ def begun(asked: Asked, robot: Robot, grid: Grid, solver: str) -> Plan:
     motion = Motion(time[::2], state, rates, _forces(rates["acceleration"], grid, robot))
     place, heading = footholds(task, grid)
     feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
-    del part
     return plan_of(motion, feet, unplanned(task, robot, solver), robot, grid)
 
 
 def _durations(asked: Asked) -> Array:
-    """(P,) s: as the motion would last if gravity had let its flights last so, within what may be."""
+    """(P,) s: as long as gravity would have let the motion last, within what may be."""
     wanted = np.diff(asked.part.edges) / asked.part.slower
     low, high = np.array([asked.task.times(p) for p in range(len(wanted))]).T
     return np.clip(wanted, low, high)
@@ -87,22 +80,19 @@ def file_times(asked: Asked, edges: Array, time: Array) -> Array:
     return np.interp(time, edges, asked.part.edges)
 
 
-def _states(asked: Asked, grid: Grid, time: Array) -> dict[str, Array]:
+def _states(asked: Asked, grid: Grid) -> dict[str, Array]:
     """Name -> (2 N + 1, n) states of the motion at a grid's instants, rates in a plan's time."""
-    own = asked.part.edges
-    known = asked.part.motion
-    at = grid.times(own)
-    phase = np.array([grid.phase_at(half) for half in range(len(time))])
-    durations = np.interp(np.arange(len(own)), np.arange(len(own)), own)
-    faster = np.diff(durations) / _durations(asked)
-    faster = faster[phase][:, None]
+    edges, known = asked.part.edges, asked.part.motion
+    at = grid.times(edges)
+    phase = [grid.phase_at(half) for half in range(len(at))]
+    faster = (np.diff(edges) / _durations(asked))[phase][:, None]
     position = asked.frame.points(known.base_position)
-    quat = asked.frame.attitudes(known.base_quat)
-    # As turns from the first attitude beside a mean heading: small but for twists.
-    columns = np.hstack([position, sign_continuous(quat), known.joint_position])
-    values, slopes = _smooth(known.time, columns, at)
-    lower = interpolated(at, own, _at_edges(asked))
-    values[:, 2] -= lower
+    quat = sign_continuous(asked.frame.attitudes(known.base_quat))
+    quat = quat * np.copysign(1.0, quat[0, 0])  # w is positive as it begins
+    beside = (known.time >= edges[0] - BESIDE) & (known.time <= edges[-1] + BESIDE)
+    columns = np.hstack([position, quat, known.joint_position])[beside]
+    values, slopes = _smooth(known.time[beside], columns, at)
+    values[:, 2] -= interpolated(at, edges, _at_edges(asked))
     quat = values[:, 3:7] / np.linalg.norm(values[:, 3:7], axis=1, keepdims=True)
     # The rate of a unit quaternion, in the base's axes.
     w, v = quat[:, :1], quat[:, 1:]
@@ -120,14 +110,9 @@ def _states(asked: Asked, grid: Grid, time: Array) -> dict[str, Array]:
 
 def _at_edges(asked: Asked) -> Array:
     """(P + 1,) m by which the motion's feet are above their footholds, at the phases' edges."""
-    places = np.array(asked.part.places)
-    before = np.array([0, *places])
-    after = np.array([*places, places[-1]])
-    flight = [*(not feet for feet in asked.part.feet), False]
-    # A flight's place is that of what follows; at its beginning feet are where they were.
-    at = np.where(flight, before, np.where([False, *flight[:-1]], after, before))
-    found: Array = asked.sunk[at]
-    return found
+    places = asked.part.places
+    here = [places[k] if feet else places[k - 1] for k, feet in enumerate(asked.part.feet)]
+    return np.array(asked.sunk[[*here, places[-1]]])
 
 
 def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
@@ -145,8 +130,7 @@ def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
 
 def _stand(asked: Asked, robot: Robot, states: dict[str, Array]) -> None:
     """Have the robot stand at rest at both ends, as near to its posture there as it can."""
-    task = asked.task
-    ends = [0, -1]
+    task, ends = asked.task, [0, -1]
     q = np.hstack(
         [
             states["position"][ends],
@@ -156,8 +140,6 @@ def _stand(asked: Asked, robot: Robot, states: dict[str, Array]) -> None:
     )
     com, _, _ = centroidal_states(robot.model, q, np.zeros((2, robot.model.nv)))
     quat = states["quat"][ends]
-    if len(robot.corners) > 1:
-        quat = quat.copy()
     feet = np.array([task.places[0].feet, task.places[-1].feet])
     soles = quaternions_about_z(np.array([task.places[0].yaw, task.places[-1].yaw]))
     near = states["joint_position"][ends]
@@ -177,7 +159,7 @@ def _stand(asked: Asked, robot: Robot, states: dict[str, Array]) -> None:
 def _forces(acceleration: Array, grid: Grid, robot: Robot) -> Array:
     """(N, nodes, C, 3) N: what a point mass needs, shared evenly by the feet that stand."""
     corners, legs = len(robot.corners), len(robot.legs)
-    total = robot.mass * (acceleration + [0.0, 0.0, GRAVITY])
+    total = robot.mass * (acceleration + np.array([0.0, 0.0, GRAVITY]))
     total[..., 2] = np.maximum(total[..., 2], 0.0)
     found = np.zeros((grid.intervals, len(NODES), legs, corners, 3))
     for k, knot in enumerate(grid.knots[:-1]):

@@ -26,7 +26,9 @@ def moved(asked: Asked, plan: Plan) -> Moved:
     stood = asked.part.footholds()
     knots = foothold_knots(plan)
     landed = [
-        np.linalg.norm(asked.frame.back(plan.foot_position[knots[place, leg], leg])[:2] - at_rest[:2])
+        np.linalg.norm(
+            asked.frame.back(plan.foot_position[knots[place, leg], leg])[:2] - at_rest[:2]
+        )
         for place, feet in enumerate(stood)
         for leg, at_rest in enumerate(feet)
         if place

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -97,11 +98,15 @@ def parts(motion: WholeBodyMotion) -> list[Part]:
     if not any(not phase.feet for phase in phases):
         raise NoJump("no foot leaves the ground for a flight of all feet")
     found: list[tuple[int, int]] = []
-    for first, last in zip(stood[:-1], stood[1:], strict=True):
+    for first, last in pairwise(stood):
         if all(phase.feet for phase in phases[first:last]):
             continue
-        if found and found[-1][1] == first and phases[first].end_s - phases[first].start_s < REBOUND:
-            first, last = found.pop()[0], last  # noqa: PLW2901
+        if (
+            found
+            and found[-1][1] == first
+            and phases[first].end_s - phases[first].start_s < REBOUND
+        ):
+            first, last = found.pop()[0], last
         found.append((first, last))
     if not found:
         raise NoJump("no flight begins and ends with all feet on the ground")
@@ -117,7 +122,7 @@ def merged(part: Part) -> Part:
     for phase in part.phases:
         if phase.feet and len(phase.feet) < len(names) and phase.end_s - phase.start_s <= SHORT:
             dropped.append(phase.name)
-            phase = replace(phase, feet=names, name="all feet stand")  # noqa: PLW2901
+            phase = replace(phase, feet=names, name="all feet stand")
         if found and found[-1].feet == phase.feet:
             found[-1] = replace(found[-1], end_s=phase.end_s)
         else:
@@ -132,7 +137,9 @@ def _at_rest(part: Part) -> Part:
     nearest, farthest = SOONEST * part.slower, LATEST * part.slower
     before = (time >= first.start_s) & (time <= first.end_s)
     after = (time >= last.start_s) & (time <= last.end_s)
-    start = first.end_s - _rest(first.end_s - time[before][::-1], com[before][::-1], nearest, farthest)
+    start = first.end_s - _rest(
+        first.end_s - time[before][::-1], com[before][::-1], nearest, farthest
+    )
     end = last.start_s + _rest(time[after] - last.start_s, com[after], nearest, farthest)
     ends = replace(first, start_s=start), replace(last, end_s=end)
     return replace(part, phases=(ends[0], *inner, ends[1]))

@@ -200,7 +200,10 @@ def _still(time: Array, place: Array) -> list[tuple[int, int]]:
     still = np.zeros(len(time), dtype=np.bool_)
     for k in range(len(time)):
         end = _last_within(time, k) + 1
-        if time[end - 1] - time[k] > 0.8 * STILL_FOR and (np.std(place[k:end], axis=0) < spread).all():
+        if (
+            time[end - 1] - time[k] > 0.8 * STILL_FOR
+            and (np.std(place[k:end], axis=0) < spread).all()
+        ):
             still[k:end] = True
     return stretches(still)
 
@@ -213,7 +216,9 @@ def _last_within(time: Array, k: int) -> int:
 def _crossing(time: Array, away: Array, off: float, at: int, step: int) -> float:
     """When, going on from a frame, a foot is first off its place, s; the motion's end if never."""
     # A single frame that is off is wrong.
-    while 0 <= at + step < len(time) and away[[at + step, _within(at + 2 * step, time)]].min() <= off:
+    while (
+        0 <= at + step < len(time) and away[[at + step, _within(at + 2 * step, time)]].min() <= off
+    ):
         at += step
     if not 0 <= at + step < len(time):
         return float(time[at])

@@ -2,26 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from llsrbm.certificate import Certificate, certify, stated
+from llsrbm.errors import InputError
 from llsrbm.formats import load_any
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.repairing.moved import moved
 from llsrbm.repairing.nearest import nearest
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import ContactPhase, contact_phases
 from llsrbm.repairing.request import Asked, asked
-from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair
+from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair, Rest
 
 RATE = 100.0  # frames/s at which plans and rollouts are taken
 # What a motion may move without being called repaired, where no check of it is broken.
 SAME_JOINTS, SAME_BASE, SAME_TIME = 0.02, 0.01, 0.02  # rad, m, s
+MOMENT = 0.25  # s of what is beside a jump, less than which is not looked at
 STRETCHED = 0.05  # of the time that flights take, beyond which it is said
 
 
@@ -30,18 +33,20 @@ def repair(
     robot: str = "anymal",
     *,
     fps: float | None = None,
+    jump: int = 1,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Repair:
     """Find the motion nearest to one of any tool's whose certificate holds.
 
-    Its jump, or its first jumps in a row, is repaired: from where the robot is at rest on all feet
-    before to where it is after. Where its feet stand is kept, on level ground or boxes.
+    Its jump is repaired, with those that follow at once: from where the robot is at rest on all
+    feet before to where it is after. Where its feet stand is kept, on level ground or boxes.
 
     Args:
         motion: a file of any format that can be opened, a plan, a rollout or a motion.
         robot: that moves in another tool's file: its name or its file.
         fps: frames/s of a file that does not say.
+        jump: which one, of several that are apart from each other.
         cancelled: polled; true: `Cancelled`; progress: told of each step.
 
     Returns:
@@ -49,7 +54,7 @@ def repair(
         why.
 
     Raises:
-        InputError: a file that cannot be read, or a robot that there is not.
+        InputError: a file that cannot be read, a robot or a jump that there is not.
         Cancelled: `cancelled` was true.
     """
     given = load_any(motion, robot, fps) if isinstance(motion, str | Path) else motion
@@ -59,21 +64,24 @@ def repair(
         before = stated(given)
         assert before is not None
         return Repair(UNCHANGED, before, before, _none(given), _phases_of(given), given)
-    before = certify(given)
+    before = watch.built(partial(certify, given))
     states = given if isinstance(given, WholeBodyMotion) else whole_body_motion(given, RATE)
     try:
         found = parts(states)
-        request = asked(found[0], states.robot)
+        if not 1 <= jump <= len(found):
+            raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
+        request = asked(found[jump - 1], states.robot)
         plan = nearest(request, states.robot, watch)
     except NoJump as error:
         return Repair(FAILED, before, phases=contact_phases(states), why=_sentence(str(error)))
-    return _result(before, request, plan, found)
+    return _result(before, request, plan, len(found))
 
 
-def _result(before: Certificate, request: Asked, plan: Plan, found: list[Part]) -> Repair:
+def _result(before: Certificate, request: Asked, plan: Plan, jumps: int) -> Repair:
     result = Repair(
         FAILED,
         before,
+        rest=tuple(_rest(request.part)),
         phases=request.phases,
         frame_yaw=request.frame.yaw,
         frame_origin=tuple(request.frame.origin.tolist()),
@@ -90,8 +98,20 @@ def _result(before: Certificate, request: Asked, plan: Plan, found: list[Part]) 
         )
     same = not before.broken and _is_same(by)
     return replace(
-        result, status=UNCHANGED if same else REPAIRED, why=_remarks(request.part, found)
+        result, status=UNCHANGED if same else REPAIRED, why=_remarks(request.part, jumps)
     )
+
+
+def _rest(part: Part) -> Iterator[Rest]:
+    """What is before and after a part, if it is longer than a moment, with its certificate."""
+    motion, (start, end) = part.motion, part.edges[[0, -1]]
+    for own in (motion.time <= start, motion.time >= end):
+        time = motion.time[own]
+        if len(time) < 2 or time[-1] - time[0] < MOMENT:
+            continue
+        states = motion.qpos[own], motion.qvel[own]
+        alone = motion_of_states(motion.robot, motion.origin, time - time[0], *states, motion.fps)
+        yield Rest(float(time[0]), float(time[-1]), certify(alone))
 
 
 def _is_same(by: Moved) -> bool:
@@ -115,7 +135,7 @@ def _sentence(reason: str) -> str:
     return f"{reason[0].upper()}{reason[1:]}."
 
 
-def _remarks(part: Part, found: list[Part]) -> str:
+def _remarks(part: Part, jumps: int) -> str:
     """Sentences on what was taken otherwise than the motion has it."""
     said = []
     if part.merged:
@@ -125,9 +145,9 @@ def _remarks(part: Part, found: list[Part]) -> str:
             f"Its flights take {part.slower:.2f} times as long as gravity lets them: it is played "
             "as fast as they would be."
         )
-    if len(found) > 1:
+    if jumps > 1:
         said.append(
-            f"It has {len(found)} jumps apart from each other: the first is repaired, from "
+            f"It has {jumps} jumps apart from each other; repaired is the one from "
             f"{part.edges[0]:.2f} to {part.edges[-1]:.2f} s."
         )
     return " ".join(said)

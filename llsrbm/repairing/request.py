@@ -22,6 +22,7 @@ from llsrbm.repairing.phases import ContactPhase
 from llsrbm.request.jump import IN_A_ROW, PLAIN, Jump
 from llsrbm.request.jump_types import JumpType, names
 from llsrbm.request.route import MOST, Landing
+from llsrbm.request.stones import Stone
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import robot_files
 
@@ -187,12 +188,12 @@ def _jump(robot: Robot, kind: str, landings: list[Landing]) -> Jump:
     return Jump(robot=name, type=kind if kind != IN_A_ROW else PLAIN, **amounts)
 
 
-def _stones(task: Task, feet: Array) -> tuple[tuple[str, float, float, float], ...]:
+def _stones(task: Task, feet: Array) -> tuple[Stone, ...]:
     """Feet (L, 3) m that land beside where they would by themselves."""
     place = task.places[-1]
     aside = (feet - place.feet) @ turns_about_z(place.heading)
     return tuple(
-        (leg, *_rounded([x, y]), 0.0)
+        Stone(leg, *_rounded([x, y]))
         for leg, (x, y, _) in zip(task.schedule.legs, aside, strict=True)
         if np.hypot(x, y) > ASIDE
     )

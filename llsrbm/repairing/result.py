@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from llsrbm.certificate import Certificate
 from llsrbm.motion.plan import Plan
@@ -28,6 +28,14 @@ class Moved:
     durations_s: tuple[float, ...]
 
 
+class Rest(NamedTuple):
+    """A stretch of a motion beside the jump that was repaired: from when to when, s, as it is."""
+
+    start_s: float
+    end_s: float
+    certificate: Certificate
+
+
 @dataclass(frozen=True, eq=False)
 class Repair:
     """A motion and the nearest one whose certificate holds.
@@ -41,6 +49,7 @@ class Repair:
         plan: that satisfies the whole body's equations, in the project's frame: its origin is under
             the robot as it stands at the start, x where it looks; None: none was found.
         frame_yaw, frame_origin: the project's frame in the file's, rad and m.
+        rest: what of the motion is before and after that jump, and was not repaired.
         why: one sentence on what could not be repaired, or on what else there is to know; "".
     """
 
@@ -52,6 +61,7 @@ class Repair:
     plan: Plan | None = field(default=None, repr=False)
     frame_yaw: float = 0.0
     frame_origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    rest: tuple[Rest, ...] = ()
     why: str = ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -65,5 +75,14 @@ class Repair:
             else vars(self.moved) | {"durations_s": list(self.moved.durations_s)},
             "phases": [vars(phase) | {"feet": list(phase.feet)} for phase in self.phases],
             "frame": {"yaw": self.frame_yaw, "origin": list(self.frame_origin)},
+            "rest": [
+                {
+                    "start_s": each.start_s,
+                    "end_s": each.end_s,
+                    "holds": each.certificate.holds,
+                    "certificate": each.certificate.as_dict(),
+                }
+                for each in self.rest
+            ],
             "why": self.why,
         }

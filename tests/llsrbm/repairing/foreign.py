@@ -5,7 +5,12 @@ from functools import cache
 
 import numpy as np
 
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velocities, whole_body_motion
+from llsrbm.motion.whole_body import (
+    WholeBodyMotion,
+    motion_of_states,
+    velocities,
+    whole_body_motion,
+)
 from llsrbm.robots import load_robot
 from tests.llsrbm.player.stages import stored_plan
 
@@ -14,7 +19,7 @@ GO2 = load_robot("go2")
 
 @cache
 def jump(fps: float = 50.0) -> WholeBodyMotion:
-    """Go2's quarter turn that comes with the project, as another tool would have it: states alone."""
+    """Go2's quarter turn that comes with the project, as others would have it: states alone."""
     motion = whole_body_motion(stored_plan(), fps)
     return of_states(motion.time, motion.qpos)
 
@@ -23,8 +28,10 @@ def of_states(time: np.ndarray, qpos: np.ndarray) -> WholeBodyMotion:
     return motion_of_states(GO2, "somebody's", time, qpos, velocities(time, qpos))
 
 
-def stepping(lift, land, *, fps=50.0, until=2.0, rise=0.0, ground=0.0, noise=0.0) -> WholeBodyMotion:
-    """Feet that leave at `lift` and come down at `land`, s (4,): parabolas ahead of 0.3 m; and a CoM
+def stepping(
+    lift, land, *, fps=50.0, until=2.0, rise=0.0, ground=0.0, noise=0.0
+) -> WholeBodyMotion:
+    """Feet that leave at `lift` and land at `land`, s (4,), 0.3 m ahead, on parabolas; and a CoM
     that falls freely from when the last one has left until the first one lands.
 
     `rise`: m that they land higher; `ground`: m of where they stand; `noise`: m.

@@ -107,7 +107,7 @@ def _upside_down():
     turn = np.stack([np.cos(half), 0 * half, -np.sin(half), 0 * half], axis=-1)
     qpos = motion.qpos.copy()
     qpos[:, 3:7] = quaternion_product(qpos[:, 3:7], turn)
-    return replace(stepping([0.7] * 4, [1.05] * 4), base_quat=qpos[: 101, 3:7])
+    return replace(stepping([0.7] * 4, [1.05] * 4), base_quat=qpos[:101, 3:7])
 
 
 def _walking():

@@ -1,0 +1,106 @@
+"""`llsrbm repair`: lines, one JSON object, exit status, the plan's file."""
+
+import json
+
+import pytest
+
+import llsrbm
+from llsrbm import cli
+from llsrbm.certificate import stated
+from llsrbm.repairing.phases import ContactPhase
+from llsrbm.repairing.result import Moved, Repair
+from tests.llsrbm.player.stages import stored_plan
+
+MOVED = Moved(0.0123, 0.004, 0.002, (0.01, -0.02, 0.03))
+LEGS = ("FL", "FR", "RL", "RR")
+PHASES = (
+    ContactPhase("take-off", LEGS, 0.0, 0.7),
+    ContactPhase("flight", (), 0.7, 1.05),
+    ContactPhase("landing", LEGS, 1.05, 1.8),
+)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "motion.npz"
+    llsrbm.export(stored_plan(), path, format="motion-npz")
+    return path
+
+
+@pytest.fixture
+def answered(monkeypatch):
+    """`llsrbm.repair` that gives the repair put into the list, and remembers what it was asked."""
+    answers, asked = [], []
+
+    def repair(motion, *, jump, progress):
+        asked.append((motion, jump))
+        print("a banner of a solver")
+        return answers[0]
+
+    monkeypatch.setattr(llsrbm, "repair", repair)
+    repair.answers, repair.asked = answers, asked
+    return repair
+
+
+def repaired():
+    plan = stored_plan()
+    held = stated(plan)
+    return Repair("repaired", held, held, MOVED, PHASES, plan, why="It is played faster.")
+
+
+def test_json_is_one_object(answered, file, capfd):
+    answered.answers.append(repaired())
+    assert cli.main(["repair", str(file), "--robot", "go2", "--json"]) == 0
+    found = json.loads(capfd.readouterr().out)
+    assert found["status"] == "repaired"
+    assert found["file"] == str(file)
+    assert found["moved"]["joint_rms_rad"] == 0.0123
+    assert found["phases"][1] == {"name": "flight", "feet": [], "start_s": 0.7, "end_s": 1.05}
+    assert found["before"]["slip"]["holds"] is True
+    assert found["after"].keys() == found["before"].keys()
+    ((motion, jump),) = answered.asked
+    assert (motion.robot.name, jump) == ("go2", 1)
+
+
+def test_lines_are_for_people(answered, file, capsys):
+    answered.answers.append(repaired())
+    assert cli.main(["repair", str(file), "--robot", "go2"]) == 0
+    out = capsys.readouterr().out
+    assert "Result    repaired\n" in out
+    assert "flight    0.70 to 1.05 s: no foot\n" in out
+    assert "Moved     joints 0.012 rad (rms), base 0.4 cm (rms), landing 0.2 cm\n" in out
+    assert "Remark    It is played faster.\n" in out
+
+
+def test_the_plan_is_written(answered, file, tmp_path):
+    answered.answers.append(repaired())
+    out = tmp_path / "plan.npz"
+    assert cli.main(["repair", str(file), "--robot", "go2", "--out", str(out)]) == 0
+    assert llsrbm.load(out).feedback_gain is not None
+
+
+def test_what_cannot_be_repaired_has_exit_status_1_and_a_line(answered, file, capfd, tmp_path):
+    held = stated(stored_plan())
+    answered.answers.append(Repair("failed", held, phases=PHASES, why="No foot leaves the ground."))
+    out = tmp_path / "plan.npz"
+    words = ["repair", str(file), "--robot", "go2", "--out", str(out), "--json"]
+    assert cli.main(words) == 1
+    stdout, err = capfd.readouterr()
+    found = json.loads(stdout)
+    assert found["after"] is None
+    assert found["moved"] is None
+    assert found["why"] == "No foot leaves the ground."
+    assert f"llsrbm: {file}: No foot leaves the ground.\n" in err
+    assert not out.exists()
+
+
+def test_a_file_that_is_none_is_bad_input(refused, tmp_path):
+    path = tmp_path / "text.csv"
+    path.write_text("time,x\n0,1\n", encoding="utf-8")
+    assert "begins with a header" in refused("repair", str(path), "--robot", "go2")
+
+
+def test_another_robot_is_bad_input(refused, file):
+    assert "expected the robot that moves in the file" in refused(
+        "repair", str(file), "--robot", "anymal"
+    )
