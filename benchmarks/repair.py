@@ -1,4 +1,4 @@
-"""Motions made foreign and repaired (`llsrbm repair`), and contact phases told of simulated ones.
+"""Motions made foreign and repaired (`llsrbm repair`), and contact phases of simulated ones.
 
     python -m benchmarks.repair score --robots go2,anymal,g1 --count 10 --seed 21000 --out F
     python -m benchmarks.repair edges --robots go2,anymal,g1 --count 10 --seed 21000
@@ -7,7 +7,7 @@ Plans of random requests over 0.8 of a robot's range, every third a draft by `sr
 other tools' files and made foreign: played 0.8 to 1.3 times as long, lifted or sunk by up to 3 cm,
 somewhere else in the world with another heading, every joint of every frame off by a standard
 deviation of 0.01 rad, the joints in another order. `score` repairs them; `edges` simulates plans
-with everything disturbed, writes them at 50 frames/s, and compares the flights that are told with
+with everything disturbed, writes them at 50 frames/s, and compares the flights that are found with
 the simulator's contacts. With `--out` what is done is not done again. Requests and what makes them
 foreign follow from the seed alone; phases were tuned on seed 777 of requests.
 """
@@ -234,14 +234,14 @@ def edges(
                 path = Path(folder) / "rollout.npz"
                 llsrbm.export(rollout, path, format="motion-npz")
                 phases = contact_phases(load_motion(path, robot))
-            told = [phase for phase in phases if not phase.feet]
-            if truth.duration is None or len(told) != 1:
+            found = [phase for phase in phases if not phase.feet]
+            if truth.duration is None or len(found) != 1:
                 worst.append(math.inf)
-                print(f"{robot:7} {index:3} {len(told)} flights told", flush=True)
+                print(f"{robot:7} {index:3} {len(found)} flights found", flush=True)
                 continue
             off = (
-                told[0].start_s - truth.lift_off + rollout.time[0],
-                told[0].end_s - truth.touchdown + rollout.time[0],
+                found[0].start_s - truth.lift_off + rollout.time[0],
+                found[0].end_s - truth.touchdown + rollout.time[0],
             )
             worst.append(max(map(abs, off)))
             ms = " and ".join(f"{1e3 * each:+.1f} ms" for each in off)

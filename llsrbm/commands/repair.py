@@ -76,7 +76,7 @@ def _description(found: Repair) -> dict[str, str]:
 
 
 def _broken(certificate: Certificate) -> str:
-    """What does not hold, by how much and when; or that all that is known does."""
+    """The checks that do not hold, by how much and when; or that all that is known does."""
     if not certificate.broken:
         return "holds" if certificate.holds else "holds as far as it is known"
     return "; ".join(

@@ -28,7 +28,7 @@ from llsrbm.planning.whole_body.start import footholds, tilts
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.repairing.part import NoJump
 from llsrbm.repairing.phases import noise
-from llsrbm.repairing.request import Asked
+from llsrbm.repairing.request import Request
 from llsrbm.robots.robot import Robot
 
 FARTHEST = 0.03  # m that a foot may be from its foothold as the robot stands at an end
@@ -40,17 +40,17 @@ _RATES = {
 }
 
 
-def begun(asked: Asked, robot: Robot, grid: Grid, solver: str) -> Plan:
+def begun(request: Request, robot: Robot, grid: Grid, solver: str) -> Plan:
     """The motion on a grid, in the project's frame; nothing of it need hold.
 
     `solver`: that will solve it. Raises `NoJump`: the robot cannot stand as the motion does.
     """
-    task = asked.task
-    durations = _durations(asked)
+    task = request.task
+    durations = _durations(request)
     edges = np.concatenate([[0.0], np.cumsum(durations)])
     time = grid.times(edges)
-    states = _states(asked, grid)
-    _stand(asked, robot, states)
+    states = _states(request, grid)
+    _stand(request, robot, states)
     halves = np.diff(time)[:, None]
     shape = grid.intervals, len(NODES)
     rates = {
@@ -65,34 +65,34 @@ def begun(asked: Asked, robot: Robot, grid: Grid, solver: str) -> Plan:
     return plan_of(motion, feet, unplanned(task, robot, solver), robot, grid)
 
 
-def _durations(asked: Asked) -> Array:
+def _durations(request: Request) -> Array:
     """(P,) s: as long as gravity would have let the motion last, within what may be."""
-    wanted = np.diff(asked.part.edges) / asked.part.slower
-    low, high = np.array([asked.task.times(p) for p in range(len(wanted))]).T
+    wanted = np.diff(request.part.edges) / request.part.slower
+    low, high = np.array([request.task.times(p) for p in range(len(wanted))]).T
     return np.clip(wanted, low, high)
 
 
-def file_times(asked: Asked, edges: Array, time: Array) -> Array:
+def file_times(request: Request, edges: Array, time: Array) -> Array:
     """Instants of the motion, s of its own time, that instants (K,) s of a plan stand for.
 
     `edges`: (P + 1,) s of the plan's phases. Each phase is stretched evenly.
     """
-    return np.interp(time, edges, asked.part.edges)
+    return np.interp(time, edges, request.part.edges)
 
 
-def _states(asked: Asked, grid: Grid) -> dict[str, Array]:
+def _states(request: Request, grid: Grid) -> dict[str, Array]:
     """Name -> (2 N + 1, n) states of the motion at a grid's instants, rates in a plan's time."""
-    edges, known = asked.part.edges, asked.part.motion
+    edges, known = request.part.edges, request.part.motion
     at = grid.times(edges)
     phase = [grid.phase_at(half) for half in range(len(at))]
-    faster = (np.diff(edges) / _durations(asked))[phase][:, None]
-    position = asked.frame.points(known.base_position)
-    quat = sign_continuous(asked.frame.attitudes(known.base_quat))
+    faster = (np.diff(edges) / _durations(request))[phase][:, None]
+    position = request.frame.points(known.base_position)
+    quat = sign_continuous(request.frame.attitudes(known.base_quat))
     quat = quat * np.copysign(1.0, quat[0, 0])  # w is positive as it begins
     beside = (known.time >= edges[0] - BESIDE) & (known.time <= edges[-1] + BESIDE)
     columns = np.hstack([position, quat, known.joint_position])[beside]
     values, slopes = _smooth(known.time[beside], columns, at)
-    values[:, 2] -= interpolated(at, edges, _at_edges(asked))
+    values[:, 2] -= interpolated(at, edges, _at_edges(request))
     quat = values[:, 3:7] / np.linalg.norm(values[:, 3:7], axis=1, keepdims=True)
     # The rate of a unit quaternion, in the base's axes.
     w, v = quat[:, :1], quat[:, 1:]
@@ -108,11 +108,11 @@ def _states(asked: Asked, grid: Grid) -> dict[str, Array]:
     }
 
 
-def _at_edges(asked: Asked) -> Array:
+def _at_edges(request: Request) -> Array:
     """(P + 1,) m by which the motion's feet are above their footholds, at the phases' edges."""
-    places = asked.part.places
-    here = [places[k] if feet else places[k - 1] for k, feet in enumerate(asked.part.feet)]
-    return np.array(asked.sunk[[*here, places[-1]]])
+    places = request.part.places
+    here = [places[k] if feet else places[k - 1] for k, feet in enumerate(request.part.feet)]
+    return np.array(request.sunk[[*here, places[-1]]])
 
 
 def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
@@ -128,9 +128,9 @@ def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
     return found, slopes
 
 
-def _stand(asked: Asked, robot: Robot, states: dict[str, Array]) -> None:
+def _stand(request: Request, robot: Robot, states: dict[str, Array]) -> None:
     """Have the robot stand at rest at both ends, as near to its posture there as it can."""
-    task, ends = asked.task, [0, -1]
+    task, ends = request.task, [0, -1]
     q = np.hstack(
         [
             states["position"][ends],

@@ -15,7 +15,7 @@ from llsrbm.planning.solve.watch import Watch
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.refine import Refiner
 from llsrbm.repairing.begun import begun
-from llsrbm.repairing.request import Asked
+from llsrbm.repairing.request import Request
 from llsrbm.robots.robot import Robot
 
 # Weights of nearness. The second is that to drafts (`llsrbm.planning.whole_body.start.NEAR_DRAFT`).
@@ -23,18 +23,18 @@ NEAR = (30.0, 3.0)
 FINER = 1.5  # times as many intervals, where a certificate does not hold
 
 
-def nearest(asked: Asked, robot: Robot, watch: Watch) -> Plan:
+def nearest(request: Request, robot: Robot, watch: Watch) -> Plan:
     """The plan, with its certificate; `Plan.certified`: it holds; `Plan.refined`: it was found.
 
     Raises:
         NoJump: the robot cannot stand as the motion does.
         Cancelled: it is not wanted any more.
     """
-    task = asked.task
+    task = request.task
     watch.wait()
     grid = Grid.at(task.schedule, layout_of(task.jump, robot).intervals)
     refiner = watch.built(partial(Refiner, robot, grid))
-    motion = begun(asked, robot, grid, refiner.solver.name)
+    motion = begun(request, robot, grid, refiner.solver.name)
     found, missed = motion, None
     for near in NEAR:
         found = refiner.keep(motion, task, near, watch)

@@ -184,7 +184,7 @@ def stances(motion: WholeBodyMotion, foot: int) -> list[Stance]:
 
 
 def noise(values: Array) -> float:
-    """By how much each frame of a smooth quantity (K,) is off, one standard deviation.
+    """The standard deviation by which each frame of a smooth quantity (K,) is off.
 
     By its third differences, which motions hardly have.
     """

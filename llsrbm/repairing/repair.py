@@ -18,14 +18,14 @@ from llsrbm.repairing.moved import moved
 from llsrbm.repairing.nearest import nearest
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import ContactPhase, contact_phases
-from llsrbm.repairing.request import Asked, asked
+from llsrbm.repairing.request import Request, request_of
 from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair, Rest
 
 RATE = 100.0  # frames/s at which plans and rollouts are taken
 # What a motion may move without being called repaired, where no check of it is broken.
 SAME_JOINTS, SAME_BASE, SAME_TIME = 0.02, 0.01, 0.02  # rad, m, s
 MOMENT = 0.25  # s of what is beside a jump, less than which is not looked at
-STRETCHED = 0.05  # of the time that flights take, beyond which it is said
+STRETCHED = 0.05  # of the time that flights take, beyond which it is remarks
 
 
 def repair(
@@ -70,14 +70,14 @@ def repair(
         found = parts(states)
         if not 1 <= jump <= len(found):
             raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
-        request = asked(found[jump - 1], states.robot)
+        request = request_of(found[jump - 1], states.robot)
         plan = nearest(request, states.robot, watch)
     except NoJump as error:
         return Repair(FAILED, before, phases=contact_phases(states), why=_sentence(str(error)))
     return _result(before, request, plan, len(found))
 
 
-def _result(before: Certificate, request: Asked, plan: Plan, jumps: int) -> Repair:
+def _result(before: Certificate, request: Request, plan: Plan, jumps: int) -> Repair:
     result = Repair(
         FAILED,
         before,
@@ -103,7 +103,7 @@ def _result(before: Certificate, request: Asked, plan: Plan, jumps: int) -> Repa
 
 
 def _rest(part: Part) -> Iterator[Rest]:
-    """What is before and after a part, if it is longer than a moment, with its certificate."""
+    """The stretches before and after a part that last more than a moment, with certificates."""
     motion, (start, end) = part.motion, part.edges[[0, -1]]
     for own in (motion.time <= start, motion.time >= end):
         time = motion.time[own]
@@ -137,20 +137,20 @@ def _sentence(reason: str) -> str:
 
 def _remarks(part: Part, jumps: int) -> str:
     """Sentences on what was taken otherwise than the motion has it."""
-    said = []
+    remarks = []
     if part.merged:
-        said.append("Feet that leave or land one after the other do so together in the plan.")
+        remarks.append("Feet that leave or land one after the other do so together in the plan.")
     if abs(part.slower - 1) > STRETCHED:
-        said.append(
+        remarks.append(
             f"Its flights take {part.slower:.2f} times as long as gravity lets them: it is played "
             "as fast as they would be."
         )
     if jumps > 1:
-        said.append(
+        remarks.append(
             f"It has {jumps} jumps apart from each other; repaired is the one from "
             f"{part.edges[0]:.2f} to {part.edges[-1]:.2f} s."
         )
-    return " ".join(said)
+    return " ".join(remarks)
 
 
 def _phases_of(plan: Plan) -> tuple[ContactPhase, ...]:

@@ -53,8 +53,8 @@ class Frame:
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
-    """What a part of a motion asks for.
+class Request:
+    """The request that a part of a motion amounts to.
 
     Attributes:
         part: of the motion; frame: the project's, in the file's.
@@ -74,7 +74,7 @@ class Asked:
         return tuple(replace(own, name=phase.name) for own, phase in both)
 
 
-def asked(part: Part, robot: Robot) -> Asked:
+def request_of(part: Part, robot: Robot) -> Request:
     """The request of a part of a motion.
 
     Raises:
@@ -105,7 +105,7 @@ def asked(part: Part, robot: Robot) -> Asked:
     )
     if len(landings) == 1:
         task = replace(task, jump=replace(jump, stones=_stones(task, feet[-1])))
-    return Asked(part, frame, replace(task, places=own), sunk)
+    return Request(part, frame, replace(task, places=own), sunk)
 
 
 def _of_a_type(part: Part, robot: Robot) -> tuple[Part, str]:

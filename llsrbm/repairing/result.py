@@ -65,7 +65,7 @@ class Repair:
     why: str = ""
 
     def as_dict(self) -> dict[str, Any]:
-        """What `llsrbm repair --json` prints, but for the file's name."""
+        """The object that `llsrbm repair --json` prints, but for the file's name."""
         return {
             "status": self.status,
             "before": self.before.as_dict(),
