@@ -78,7 +78,8 @@ class Slip(Check):
     def find(self, motion: SampledMotion) -> Finding:
         """The foot that moves furthest."""
         moved = np.zeros(motion.contact.shape)
-        places, velocities = _feet(motion)
+        of_stretches = [_feet(some) for _, some in motion.stretches()]
+        places, velocities = (np.concatenate(each) for each in zip(*of_stretches, strict=True))
         for leg in range(len(motion.robot.legs)):
             for first, end in stretches(motion.contact[:, leg]):
                 span = slice(first, end)

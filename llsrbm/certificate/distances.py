@@ -59,7 +59,13 @@ class Clearance(Check):
             return self.unknown("no foot stands, so the height of the ground is not known")
         if (lost := motion.lost) is not None:
             return self.least(motion, -np.inf, lost, TOUCHING, "")
-        distance, instant, name = _nearest(motion, around)
+        geometries = [shape.geometry() for shape in link_shapes(motion.robot)]
+        found = (np.inf, 0, "")
+        for first, some in motion.stretches():
+            distance, instant, name = _nearest(some, around, geometries, found[0])
+            if distance < found[0]:
+                found = distance, first + instant, name
+        distance, instant, name = found
         return self.least(motion, distance, instant, TOUCHING, name)
 
 
@@ -73,8 +79,11 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     return Surroundings(float(np.median(heights)), ()) if len(heights) else None
 
 
-def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, str]:
-    """The least distance, m, its instant's number, and what is that near to what."""
+def _nearest(motion: SampledMotion, around: Surroundings, known: float) -> tuple[float, int, str]:
+    """The least distance, m, its instant's number, and what is that near to what.
+
+    `known`: m, which it is where nothing comes nearer.
+    """
     shapes, bodies = link_shapes(motion.robot), around.solids
     geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
@@ -95,7 +104,7 @@ def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, s
         s = pair // len(boxes)
         return way_of(rotation[:, s], middle[:, s], radii[s])
 
-    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, way)
+    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, way, known)
     s, b = divmod(pair, len(boxes))
     return least, instant, f"{shapes[s].link} - {bodies[b].name}"
 

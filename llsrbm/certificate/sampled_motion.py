@@ -8,8 +8,10 @@ microseconds that lie within one interval.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -31,6 +33,7 @@ from llsrbm.robots.placements import placements
 AnyMotion = Plan | Rollout | WholeBodyMotion
 
 RATE = 1000.0  # Hz
+AT_ONCE = 1000  # instants whose links are placed at once, where checks need no more
 _FIRST = 3e-4  # s: the first instant; with it none falls on a tick of 400, 500 or 1000 Hz
 _STEP = 5e-6  # s to either side, of differences
 _BESIDE = 1e-5  # s from a knot: what is known on that side of it
@@ -80,6 +83,19 @@ class SampledMotion:
         if isinstance(motion, Plan):
             return _of_plan(motion, robot or robot_of(motion))
         return _of_rollout(motion) if isinstance(motion, Rollout) else _of_states(motion)
+
+    def stretches(self) -> Iterator[tuple[int, SampledMotion]]:
+        """It in stretches of at most `AT_ONCE` instants, each with the number of its first one.
+
+        Places of all links, which checks make of each, take ten times as much memory as states.
+        """
+        per_instant = ("time", "q", "v", "a", "contact", "points", "forces", "recorded_torque")
+        for first in range(0, len(self.time), AT_ONCE):
+            own: dict[str, Any] = {}
+            for name in per_instant:
+                values = getattr(self, name)
+                own[name] = None if values is None else values[first : first + AT_ONCE]
+            yield first, replace(self, **own)
 
     @property
     def joint_position(self) -> Array:

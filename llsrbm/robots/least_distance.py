@@ -15,7 +15,10 @@ LOOKED = 16  # instants at which all pairs are measured first, evenly spread
 
 
 def least_distance(
-    bounds: Array, measure: Callable[[int, int], float], way: Callable[[int], Array]
+    bounds: Array,
+    measure: Callable[[int, int], float],
+    way: Callable[[int], Array],
+    known: float = np.inf,
 ) -> tuple[float, int, int]:
     """The least distance, m, its instant of T, and its pair of K; infinite where all bounds are.
 
@@ -24,8 +27,9 @@ def least_distance(
         measure: the distance of a pair at an instant, m.
         way: (T,) m, growing: how far a pair has moved against each other since the first instant,
             no less.
+        known: m, that of another motion: where this one has none that is less it is `known`.
     """
-    least, at = np.inf, (0, 0)
+    least, at = known, (0, 0)
 
     def looked(t: int, k: int) -> float:
         nonlocal least, at
