@@ -79,13 +79,17 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     return Surroundings(float(np.median(heights)), ()) if len(heights) else None
 
 
-def _nearest(motion: SampledMotion, around: Surroundings, known: float) -> tuple[float, int, str]:
+def _nearest(
+    motion: SampledMotion,
+    around: Surroundings,
+    geometries: Sequence[coal.ShapeBase],
+    known: float,
+) -> tuple[float, int, str]:
     """The least distance, m, its instant's number, and what is that near to what.
 
-    `known`: m, which it is where nothing comes nearer.
+    `geometries`: of the links' shapes; `known`: m, which it is where nothing comes nearer.
     """
     shapes, bodies = link_shapes(motion.robot), around.solids
-    geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(block.rotation, block.centre) for block in bodies]
     rotation, centre = _placed(motion, shapes)

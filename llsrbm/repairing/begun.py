@@ -7,6 +7,8 @@ on its footholds, as near to the motion's posture as it can.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from scipy.interpolate import UnivariateSpline
 
@@ -123,7 +125,9 @@ def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
     degree = min(3, len(time) - 1)
     for i, column in enumerate(values.T):
         off = noise(column)
-        spline = UnivariateSpline(time, column, k=degree, s=len(time) * off**2)
+        with warnings.catch_warnings():  # that it misses frames by a little less, or more
+            warnings.simplefilter("ignore", UserWarning)
+            spline = UnivariateSpline(time, column, k=degree, s=len(time) * off**2)
         found[:, i], slopes[:, i] = spline(at), spline.derivative()(at)
     return found, slopes
 
