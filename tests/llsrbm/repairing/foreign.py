@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from llsrbm.mechanics import quaternion_product, quaternions_about_z, turns_about_z
 from llsrbm.motion.whole_body import (
     WholeBodyMotion,
     motion_of_states,
@@ -55,3 +56,16 @@ def _height(time, start, end, rise):
     down = up - g * flight
     speed = np.interp(time, [start - push, start, end, end + push], [0.0, up, down, 0.0])
     return 0.3 + np.concatenate([[0.0], np.cumsum(np.diff(time) * (speed[1:] + speed[:-1]) / 2)])
+
+
+def twice(still: float, fps: float = 50.0) -> WholeBodyMotion:
+    """The jump, `still` s of standing, and the jump again from where it ended."""
+    plan, one = stored_plan(), jump(fps)
+    first, waits = one.qpos, np.repeat(one.qpos[-1:], round(still * fps), axis=0)
+    again = first[1:].copy()
+    shift = [plan.jump.forward, plan.jump.lateral, plan.jump.height]
+    again[:, :3] = again[:, :3] @ turns_about_z(plan.jump.twist).T + shift
+    turn = np.broadcast_to(quaternions_about_z(plan.jump.twist), (len(again), 4))
+    again[:, 3:7] = quaternion_product(turn, again[:, 3:7])
+    qpos = np.concatenate([first, waits, again])
+    return of_states(np.arange(len(qpos)) / fps, qpos)
