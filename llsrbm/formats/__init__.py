@@ -42,6 +42,7 @@ __all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion"
 __all__ += ["export_many", "remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
+_PICKLES = (".pkl", ".pickle", ".p")
 
 
 FORMATS: dict[str, Format]  # by their names
@@ -174,6 +175,10 @@ def _recognised(path: Path) -> Format:
     for each in readable():
         if each.recognises(path):
             return each
+    if path.suffix.lower() in _PICKLES:
+        raise FileFormatError(
+            f"{path}: a pickle can run anything as it is opened, so none is; expected {_openable()}"
+        )
     raise FileFormatError(
         f"{path}: damaged, or not a file that can be opened; expected {_openable()}"
     )

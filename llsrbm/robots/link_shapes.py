@@ -87,7 +87,7 @@ class LinkShapes:
         return float(room + needed[k]), instant, self.pairs[self.pair_of[k]]
 
     def _least_room(self, postures: Array, needed: Array, known: float) -> tuple[float, int, int]:
-        """By how much a distance exceeds what is `needed` (K,) m least, in which posture, of which
+        """The least by which a distance exceeds what is `needed` (K,) m, in which posture, of which
         of the geometry's pairs; `known` where none does so by less.
         """
         place, measure = self._by_pinocchio()
