@@ -228,6 +228,13 @@ def add_command(
     ],
     out: Out,
     seeds: Seeds = 2,
+    not_strict: Annotated[
+        bool,
+        typer.Option(
+            "--not-strict",
+            help="Also those that are not strict in all simulations; cards say in how many.",
+        ),
+    ] = False,
     as_json: options.AsJson = False,
 ) -> int:
     """Add plans to a library: certified ones, of which every simulation is strict.
@@ -243,7 +250,9 @@ def add_command(
         added = []
         for file in plans:
             try:
-                added.append(library.put(judged(options.read_plan(file), seeds)).name)
+                added.append(
+                    library.put(judged(options.read_plan(file), seeds, not_strict=not_strict)).name
+                )
             except InputError as error:
                 console.print_error(f"{file}: {error}")
                 status = console.FAILED

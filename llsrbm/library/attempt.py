@@ -65,9 +65,9 @@ class Attempt:
     why: str = ""
 
 
-def simulated(plan: Plan, seeds: int) -> Simulated:
+def simulated(plan: Plan, seeds: int, *, every: bool = False) -> Simulated:
     """How simulations of a plan end, everything disturbed by `seeds` seeds; the first that is not
-    strict is the last.
+    strict is the last, but of `every`.
 
     Raises `Error`: the plan cannot be simulated.
     """
@@ -77,7 +77,7 @@ def simulated(plan: Plan, seeds: int) -> Simulated:
     outcomes = []
     for seed in range(_FIRST_SEED, _FIRST_SEED + seeds):
         outcomes.append(simulate(plan, seed=seed).outcome)
-        if not outcomes[-1].strict:
+        if not (every or outcomes[-1].strict):
             break
     return Simulated.of(outcomes)
 
@@ -97,15 +97,22 @@ def attempt(request: Request, seeds: int) -> Attempt:
         return Attempt(request, FAILED, why=_one_line(error))
 
 
-def judged(plan: Plan, seeds: int, drawn: int | None = None) -> StoredMotion:
-    """A plan in a library's form, after as many simulations, each of which is strict.
+def judged(
+    plan: Plan, seeds: int, drawn: int | None = None, *, not_strict: bool = False
+) -> StoredMotion:
+    """A plan in a library's form, after as many simulations.
+
+    `not_strict`: whatever becomes of these; else each has to be strict.
 
     Raises `InputError`: see `stored_motion`, or a simulation is not strict.
     """
     from llsrbm.library.card import Simulated
     from llsrbm.library.library import stored_motion
 
-    return _strict(stored_motion(plan, Simulated(), drawn), plan, seeds)
+    motion = stored_motion(plan, Simulated(), drawn)
+    if not_strict:
+        return _with(motion, simulated(plan, seeds, every=True))
+    return _strict(motion, plan, seeds)
 
 
 def _strict(motion: StoredMotion, plan: Plan, seeds: int) -> StoredMotion:
@@ -115,6 +122,10 @@ def _strict(motion: StoredMotion, plan: Plan, seeds: int) -> StoredMotion:
         raise NotStrict(
             f"simulation {found.seeds} of {seeds} did not land strictly; expected that all do"
         )
+    return _with(motion, found)
+
+
+def _with(motion: StoredMotion, found: Simulated) -> StoredMotion:
     return replace(motion, card=motion.card.model_copy(update={"simulated": found}))
 
 

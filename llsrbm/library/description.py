@@ -25,8 +25,9 @@ _README = """\
 {count} motions of {robots} robots, made by llsrbm {version}. Each is a plan of the whole body's
 equations of motion whose certificate holds at 1 kHz (stops, speeds, torques, friction, slip,
 distances, dynamics); {simulated}. Simulations have
-everything disturbed: the trunk's mass, friction, contacts, delays, what is measured. Motions that
-were not strict were not kept, so that this share is no forecast.
+everything disturbed: the trunk's mass, friction, contacts, delays, what is measured. Builds
+keep motions alone that are strict in each, so that this share is no forecast; some motions, such
+as flips, are added as they are.
 
 {table}
 

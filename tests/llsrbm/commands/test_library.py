@@ -79,6 +79,16 @@ def test_plans_are_added(capfd, tmp_path, monkeypatch):
     assert said(capfd, "--dir", str(folder)).out.count("go2-together-0001") == 1
 
 
+def test_plans_that_are_not_strict_are_added_if_asked_for(capfd, tmp_path, monkeypatch):
+    monkeypatch.setattr("llsrbm.library.attempt.simulated", lambda *_, **__: Simulated(2, 2, 1))
+    path, folder = tmp_path / "plan.npz", tmp_path / "library"
+    plan().save(path)
+    words = "add", str(path), "--out", str(folder), "--seeds", "2"
+    assert "did not land strictly" in said(capfd, *words, status=1).err
+    said(capfd, *words, "--not-strict")
+    assert "1 of 2" in said(capfd, "--dir", str(folder)).out
+
+
 def test_it_is_built(capfd, tmp_path, monkeypatch):
     def run(request, seeds, limit):
         return Attempt(request, KEPT, motion_for(request))

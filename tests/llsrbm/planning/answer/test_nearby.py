@@ -122,7 +122,8 @@ def attempt_of(converged, torque, jump=None):
     """One that needs `torque` Nm too much."""
     found = {"joint_torque": Violation(torque, "Nm", "flight", 0.5)}
     solution = Solution(np.zeros(1), np.zeros(1), converged, 7, 0.0, 1.0, 0.0, "")
-    return Attempt(SimpleNamespace(jump=jump, correction=None, penalty=0.0), solution, None, found)
+    task = SimpleNamespace(jump=jump, correction=None, penalty=0.0, agrees=True)
+    return Attempt(task, solution, None, found)
 
 
 DIVERGED, WORSE, LITTLE = (False, 400.0), (True, 2.0), (True, 0.3)
