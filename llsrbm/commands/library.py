@@ -361,6 +361,7 @@ def _robots(names: str) -> list[str]:
 def _packed(library: Library) -> dict[str, Any]:
     from llsrbm.library.description import write_description
 
+    library.folder.mkdir(parents=True, exist_ok=True)  # there is none where nothing was kept
     library.packed()
     return write_description(library)
 

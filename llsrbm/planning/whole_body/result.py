@@ -95,6 +95,7 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
         joint_names=robot.joint_names,
         joint_torque_limit=np.vstack([limit, robot.torque_limit]),
         foot_in_hip=_in_hips(robot, q_legs, R, foot_rotation),
+        feedback_gain=None,  # of the motion that it was
     )
     standing = standing_torque(robot, KnotMotion.of_plan(found), joints[-1])
     return replace(found, joint_torque=np.vstack([torque[:node_count], standing]))

@@ -179,6 +179,13 @@ def test_its_file_says_so(tmp_path):
     np.testing.assert_array_equal(again.joint_torque, second.joint_torque)
 
 
+def test_gains_of_the_motion_before_are_left():
+    _, second, robot = plans()
+    gains = llsrbm.with_feedback(second)
+    assert gains.feedback_gain is not None
+    assert refine.refiner_of(second, robot).refine(gains).feedback_gain is None
+
+
 def test_where_it_does_not_converge_the_first_plan_stays(monkeypatch):
     first, _, _ = plans()
     for name in ("FROM_FAR", "LOOK"):
