@@ -23,24 +23,11 @@ FormatName = typer.Option("--format", metavar="F", help="See `llsrbm formats`.")
 def export_command(
     context: typer.Context,
     file: Annotated[Path, typer.Argument(metavar="FILE.npz", help="A native file.")],
-    out: Annotated[
-        Path, typer.Option(metavar="FILE", help="The file to write; several formats need a .zip.")
-    ],
-    format_: Annotated[
-        list[str],
-        typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated."),
-    ],
-    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
-    pad: Annotated[
-        float,
-        typer.Option(
-            metavar="S", help="Time that the robot stands still before and after the motion."
-        ),
-    ] = 0.0,
-    order: Annotated[
-        str,
-        typer.Option(metavar="O", help="Order of bodies and joints: depth-first or breadth-first."),
-    ] = "depth-first",
+    out: options.Exported,
+    format_: options.Formats,
+    fps: options.FrameRate = 60.0,
+    pad: options.Pad = 0.0,
+    order: options.Order = "depth-first",
     size: Annotated[str, typer.Option(metavar="WxH", help="Size of a video, pixels.")] = "960x540",
     camera: Annotated[
         str,

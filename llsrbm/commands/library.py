@@ -181,25 +181,12 @@ def show_command(
 def export_motion_command(
     context: typer.Context,
     name: Name,
-    out: Annotated[
-        Path, typer.Option(metavar="FILE", help="The file to write; several formats need a .zip.")
-    ],
-    format_: Annotated[
-        list[str],
-        typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated."),
-    ],
+    out: options.Exported,
+    format_: options.Formats,
     folder: Folder = None,
-    fps: Annotated[float, typer.Option(help="Frames per second.")] = 60.0,
-    pad: Annotated[
-        float,
-        typer.Option(
-            metavar="S", help="Time that the robot stands still before and after the motion."
-        ),
-    ] = 0.0,
-    order: Annotated[
-        str,
-        typer.Option(metavar="O", help="Order of bodies and joints: depth-first or breadth-first."),
-    ] = "depth-first",
+    fps: options.FrameRate = 60.0,
+    pad: options.Pad = 0.0,
+    order: options.Order = "depth-first",
 ) -> int:
     """Write a motion in other formats, with its feed-forward torques.
 

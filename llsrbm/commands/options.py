@@ -44,6 +44,20 @@ Domain = Annotated[int | None, typer.Option(help="DDS domain [default: 1 on lo, 
 Mover = Annotated[
     str, typer.Option("--robot", metavar="R", help="Robot that moves in another tool's file.")
 ]
+Exported = Annotated[
+    Path, typer.Option(metavar="FILE", help="The file to write; several formats need a .zip.")
+]
+Formats = Annotated[
+    list[str], typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated.")
+]
+FrameRate = Annotated[float, typer.Option(help="Frames per second.")]
+Pad = Annotated[
+    float,
+    typer.Option(metavar="S", help="Time that the robot stands still before and after the motion."),
+]
+Order = Annotated[
+    str, typer.Option(metavar="O", help="Order of bodies and joints: depth-first or breadth-first.")
+]
 Fps = Annotated[float | None, typer.Option(help="Frames per second of a file that does not say.")]
 
 Weights = Annotated[
