@@ -1,4 +1,4 @@
-"""Which feet stand when, told from how the feet of a motion move: of any motion, whoever made it.
+"""Contact phases of any motion, whoever made it: they are told from how its feet move.
 
 A foot that stays where it is for a while stands there; how long follows from its height, which is
 that of the place from when it has come down until it leaves. Heights are crossed between frames,
