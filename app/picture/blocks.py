@@ -10,7 +10,7 @@ from app.motion.clip import AnimationChannel, Track
 from app.picture.drawing import Drawing
 from app.picture.picture import Picture
 from llsrbm.arrays import Array, BoolArray
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 
 
 class Blocks(Drawing):

@@ -9,7 +9,7 @@ from llsrbm.look.collision_visuals import visuals_at_once
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import default_pose
 from llsrbm.mechanics import CORNERS, rotation_matrices
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 from llsrbm.robots import Robot
 
 _LARGE = 1.5  # m, of a block that need not be in sight as a whole

@@ -6,8 +6,8 @@ from typing import Any
 from app.motion.baked import PlannedMotion
 from app.motion.colours import Rgb
 from llsrbm.look.shown_motion import ShownMotion
+from llsrbm.motion.block import Block
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.surroundings import Block
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push
 from llsrbm.robots import Robot

@@ -22,7 +22,7 @@ from app.picture.picture import Picture
 from llsrbm.look.collision_visuals import collision_visuals
 from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import LinkVisual, default_pose, link_visuals, needs_preparation
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 from llsrbm.robots import Robot
 
 KEPT = 4  # Hidden robots that a tab keeps, the ones shown last: some MB of memory each in a browser

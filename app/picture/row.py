@@ -23,7 +23,7 @@ from app.picture.overlays.inertia_ellipsoids import Ellipsoid, InertiaEllipsoids
 from app.picture.picture import Picture, Standing
 from app.picture.robot_nodes import RobotNodes, RobotShelf, shadow_track
 from llsrbm.arrays import Array
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 
 _FREE = 0.25  # m between what two neighbours sweep
 _ABOVE = 0.12  # m from the highest that one of them gets to their names

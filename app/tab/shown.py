@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from app.motion.baked import PlannedMotion, SimulatedMotion
 from llsrbm.look.shown_motion import ShownMotion
+from llsrbm.motion.block import Block
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.surroundings import Block
 from llsrbm.request.jump import Jump, changes
 from llsrbm.request.scenario import Scenario
 

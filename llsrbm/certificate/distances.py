@@ -11,8 +11,9 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.certificate.finding import Check, Finding
 from llsrbm.certificate.sampled_motion import SampledMotion
+from llsrbm.motion.block import Block
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.surroundings import Block, Surroundings, surroundings
+from llsrbm.motion.surroundings import Surroundings, surroundings
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots.least_distance import least_distance, way_of

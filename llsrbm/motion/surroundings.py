@@ -24,18 +24,17 @@ from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
 from llsrbm.mechanics import (
-    quaternion_product,
-    quaternions_about_z,
     rotation_matrices,
     turns_about_z,
 )
+from llsrbm.motion.block import Block
 from llsrbm.motion.footprints import MARGIN, ROOM, Rectangle, around, avoiding, common, meet
 from llsrbm.motion.grounds import place_headings
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
-from llsrbm.request.slopes import gradients, leaning, normals
+from llsrbm.request.slopes import gradients, normals
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
@@ -51,32 +50,6 @@ BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot 
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
 _DEEP, _WIDE = 1.0, 100.0  # m, of the block that stands for the ground
 TO_SPARE = 0.01  # m between the planned feet and a board that slides in under them
-
-
-@dataclass(frozen=True, eq=False)
-class Block:
-    """A box that stands in the world for a while."""
-
-    name: str  # of the box, unique
-    centre: Array  # (3,) m, world frame
-    size: Array  # (3,) m, full lengths along its own axes
-    yaw: float  # rad, of its own axes about its upright one
-    from_s: float = 0.0  # when it stands there, s
-    until_s: float = math.inf  # when it stands there, s
-    untouched: bool = False  # whether a robot that touches it has failed
-    # Gradient of its top along the world's x and y axes, onto which it is turned the short way.
-    tilt: tuple[float, float] = (0.0, 0.0)
-
-    @property
-    def quat(self) -> Array:
-        """(4,) w, x, y, z: how its own axes are turned in the world."""
-        leans = leaning(np.array(self.tilt))
-        return quaternion_product(leans, quaternions_about_z(self.yaw))
-
-    @property
-    def rotation(self) -> Array:
-        """(3, 3) R_world_block."""
-        return rotation_matrices(self.quat)
 
 
 @dataclass(frozen=True)

@@ -24,9 +24,10 @@ from llsrbm.look.palette import BLOCK, COM, FORCE, GROUND, PLANNED, Rgb
 from llsrbm.look.shown_motion import ShownMotion, surroundings_of
 from llsrbm.look.visuals import link_visuals
 from llsrbm.mechanics import turned_to
+from llsrbm.motion.block import Block
 from llsrbm.motion.bodies import link_paths, urdf_joints
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.surroundings import Block, Surroundings
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.motion.trajectory import Trajectory
 
 Entry = tuple[int, Any, Any]

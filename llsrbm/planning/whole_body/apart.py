@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 from llsrbm.robots.near_links import NearLinks, away_from
 from llsrbm.robots.robot import Robot
 

@@ -22,8 +22,9 @@ from llsrbm.mechanics import (
     slerp,
 )
 from llsrbm.models import MODELS
+from llsrbm.motion.block import Block
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.surroundings import Block, surroundings
+from llsrbm.motion.surroundings import surroundings
 from llsrbm.planning.problem.placement import task_of
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.whole_body.apart import Apart

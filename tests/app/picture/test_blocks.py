@@ -5,7 +5,7 @@ import pytest
 
 from app.picture.blocks import Blocks, tops_under
 from app.picture.picture import Picture
-from llsrbm.motion.surroundings import Block
+from llsrbm.motion.block import Block
 from tests.app.picture.recorded import RecordedClient
 
 BOX = Block(

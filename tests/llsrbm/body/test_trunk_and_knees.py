@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 
 from llsrbm.body.trunk_and_knees import knee_joint, trunk_box
+from llsrbm.motion.block import Block
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.motion.surroundings import Block, Surroundings
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.simulation.scene import build_scene
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from llsrbm.motion.surroundings import Block, Surroundings
+from llsrbm.motion.block import Block
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.player import played as played_module
 from llsrbm.player.played import play
 from llsrbm.player.posture import FirstPosture, gains

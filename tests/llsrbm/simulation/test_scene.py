@@ -8,8 +8,9 @@ import pinocchio as pin
 import pytest
 
 from llsrbm.errors import RobotFileError
+from llsrbm.motion.block import Block
 from llsrbm.motion.rollout import Disturbance
-from llsrbm.motion.surroundings import Block, Surroundings
+from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.simulation.scene import build_scene
