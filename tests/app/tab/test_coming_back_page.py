@@ -155,6 +155,7 @@ def test_the_server_is_killed_and_the_page_goes_on_with_the_next_one(browser):
             lambda: '"forward": 0.3' in page.evaluate("sessionStorage.getItem('llsrbm.design')"),
             "the browser to keep it",
         )
+        status(page, "Feasible")  # until then another motion is to come from this server
         page.evaluate("llsrbm.player.pause(), llsrbm.player.seek(0.65)")
         page.evaluate("window.before = llsrbm.player.clip")
         process.kill()
