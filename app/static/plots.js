@@ -389,8 +389,7 @@
 
   window.llsrbm.plots = {
     show, missing, linesOf, titleOf,
-    // The panel's title, and controls of the server's: by `open` the area is opened, by `seen` the
-    // server learns whether it is; `add` is the button that adds a chart.
+    // Controls of the server's: `open` opens the area, `seen` says whether it is, `add` adds charts.
     watch(title, open, shownBox, add) {
       watched = { title, seen: shownBox, add };
       seen = null;

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -279,7 +279,7 @@ def build_command(
     """
     options.check_workers(workers, scheduler)
     with console.result_stream(as_json=as_json) as stdout:
-        from llsrbm.library.build import Build, in_turn, on_workers, read_requests
+        from llsrbm.library.build import Build, read_requests
 
         names = _robots(robots)
         given = [] if requests is None else read_requests(requests)
@@ -298,21 +298,28 @@ def build_command(
                 done = sum(map(build.kept, names))
                 progress(done, max(done, total))
 
-            def run(runner: Runner) -> Any:
-                return build.run(all_requests(), seeds, runner, note)
-
-            if scheduler is None and (workers or 1) == 1:
-                counts = run(in_turn)
-            else:
-                require("builds on several workers need Dask", "sweep", "distributed", "pyarrow")
-                from llsrbm.sweep.run import connected
-
-                with connected(workers or 1, scheduler) as client:
-                    counts = run(on_workers(client))
+            counts = _run(
+                lambda runner: build.run(all_requests(), seeds, runner, note), workers, scheduler
+            )
         build.close()
         result = _packed(build.library) | {"tried": dict(sorted(counts.items()))}
         console.print_result(result, _made(result), stdout, as_json=as_json)
     return console.DONE
+
+
+def _run(
+    run: Callable[[Runner], dict[str, int]], workers: int | None, scheduler: str | None
+) -> dict[str, int]:
+    """Run a build in this process, or on workers or a cluster."""
+    from llsrbm.library.build import in_turn, on_workers
+
+    if scheduler is None and (workers or 1) == 1:
+        return run(in_turn)
+    require("builds on several workers need Dask", "sweep", "distributed", "pyarrow")
+    from llsrbm.sweep.run import connected
+
+    with connected(workers or 1, scheduler) as client:
+        return run(on_workers(client))
 
 
 @library_app.command("site")

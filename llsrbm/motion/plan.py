@@ -42,42 +42,13 @@ from llsrbm.files.quantity import (
     quantities,
     vector,
 )
+from llsrbm.motion.of_robot import OfRobot
 from llsrbm.motion.solve_report import NEAREST, Effort, Refinement, SolveReport, Violation
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
-
-
-class OfRobot:
-    """Names in a plan or a rollout, of the robot as it was."""
-
-    robot_parameters: dict[str, Any]
-    foot_position: Any
-    schedule: Any
-
-    @property
-    def sliding_joints(self) -> frozenset[str]:
-        """Names of the joints whose position is in metres."""
-        return frozenset(self.robot_parameters.get("sliding_joints", ()))
-
-    @property
-    def leg_names(self) -> tuple[str, ...]:
-        """As in the robot file, where the robot's numbers hold them."""
-        legs, count = tuple(self.robot_parameters.get("legs", ())), self.foot_position.shape[1]
-        return legs if len(legs) == count else tuple(f"leg{i}" for i in range(count))
-
-    @property
-    def phase_names(self) -> tuple[str, ...]:
-        """(P,) what the numbers of `phase` stand for."""
-        return self.schedule.names
-
-    def _repr_html_(self: Any) -> str:
-        """Show it in a notebook: its replay, or a table of figures."""
-        from llsrbm.motion.notebook import notebook_html
-
-        return notebook_html(self)
 
 
 @dataclass(frozen=True, eq=False)

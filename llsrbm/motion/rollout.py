@@ -41,8 +41,9 @@ from llsrbm.files.quantity import (
     vector,
 )
 from llsrbm.mechanics import rotation_matrices
+from llsrbm.motion.of_robot import OfRobot
 from llsrbm.motion.outcome import Outcome
-from llsrbm.motion.plan import OfRobot, Plan
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import Replan, replan_arrays, replans_from_arrays
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario

@@ -59,22 +59,15 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
     turn = Rotation.from_euler("ZYX", angles)
     arm = robot.base_position - stand_com
     base_position = com + turn.apply(arm)
-    foot_position = com[:, None] + np.stack(
-        [turn.apply(foot - stand_com) for foot in robot.feet], axis=1
-    )
+    stiff = np.stack([turn.apply(foot - stand_com) for foot in robot.feet], axis=1)
+    foot_position = com[:, None] + stiff
     R = turn.as_matrix()
     inertia = R @ robot.inertia @ R.transpose(0, 2, 1)
     rate = np.zeros((n, 3))
     rate[flies, 2] = jump.twist / FLY
-    corners = np.einsum("kij,cj->kci", turn.as_matrix(), robot.corners)
-    contact_point = (foot_position[:, :, None] + corners[:, None]).reshape(n, -1, 3)
-    pushes = np.repeat(stands, len(robot.corners), axis=1)
-    share = pushes / np.maximum(pushes.sum(axis=1, keepdims=True), 1)
-    force = np.zeros_like(contact_point)
-    force[..., 2] = robot.mass * GRAVITY * share
     quaternion = turn.as_quat(scalar_first=True)
     quaternion[quaternion[:, 0] < 0] *= -1
-    torque = np.where(flies[:, None], 0.0, TORQUE_SHARE) * robot.torque_limit
+    sole = [1.0, 0, 0, 0] if robot.file.foot.is_point else quaternion[:, None]
     return Plan(
         jump=jump,
         robot_parameters=robot.parameters(),
@@ -91,25 +84,40 @@ def synthetic_plan(jump: Jump, status: str = "solved") -> Plan:
         angular_momentum=np.einsum("kij,kj->ki", inertia, rate),
         inertia=inertia,
         foot_position=foot_position,
-        foot_quat=np.tile(
-            [1.0, 0, 0, 0] if robot.file.foot.is_point else quaternion[:, None], (1, legs, 1)
-        )
-        * np.ones((n, 1, 1)),
-        contact_point=contact_point,
-        contact_force=force,
+        foot_quat=np.tile(sole, (1, legs, 1)) * np.ones((n, 1, 1)),
+        **_contacts(robot, R, foot_position, stands),
         leg_mass=np.full(legs, 2.0),
         base_mass=robot.mass - 2.0 * legs,
         leg_com=foot_position * 0.5 + com[:, None] * 0.5,
-        joint_position=np.tile(robot.posture[7:], (n, 1)),
-        joint_names=robot.joint_names,
-        joint_velocity=np.zeros((n, len(robot.joint_names))),
-        joint_torque=torque,
-        joint_torque_limit=np.tile(robot.torque_limit, (n, 1)),
-        foot_in_hip=np.tile(
-            robot.mirrors * (robot.feet - robot.base_position - robot.hips), (n, 1, 1)
-        ),
+        **_stiff_legs(robot, flies),
         schedule=schedule,
     )
+
+
+def _stiff_legs(robot, flies):
+    """What the joints do: nothing but bear a share of their torque where feet stand."""
+    n = len(flies)
+    return {
+        "joint_position": np.tile(robot.posture[7:], (n, 1)),
+        "joint_names": robot.joint_names,
+        "joint_velocity": np.zeros((n, len(robot.joint_names))),
+        "joint_torque": np.where(flies[:, None], 0.0, TORQUE_SHARE) * robot.torque_limit,
+        "joint_torque_limit": np.tile(robot.torque_limit, (n, 1)),
+        "foot_in_hip": np.tile(
+            robot.mirrors * (robot.feet - robot.base_position - robot.hips), (n, 1, 1)
+        ),
+    }
+
+
+def _contacts(robot, R, foot_position, stands):
+    """Points of contact, which share the weight, and the forces there: (T, C, 3) each."""
+    corners = np.einsum("kij,cj->kci", R, robot.corners)
+    points = (foot_position[:, :, None] + corners[:, None]).reshape(len(R), -1, 3)
+    pushes = np.repeat(stands, len(robot.corners), axis=1)
+    share = pushes / np.maximum(pushes.sum(axis=1, keepdims=True), 1)
+    force = np.zeros_like(points)
+    force[..., 2] = robot.mass * GRAVITY * share
+    return {"contact_point": points, "contact_force": force}
 
 
 def _starts(schedule: Schedule) -> list[float]:

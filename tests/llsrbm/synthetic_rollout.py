@@ -40,66 +40,17 @@ def synthetic_rollout(
     """
     plan = plan or synthetic_plan()
     legs = list(plan.robot_parameters["legs"])
-    mass = plan.robot_parameters["mass"]
     order = sorted(
         range(len(plan.joint_names)),
         key=lambda j: next(i for i, leg in enumerate(legs) if plan.joint_names[j].startswith(leg)),
     )
     dt = 1 / RATE
-    end = plan.duration + STANDING
-    ticks = np.arange(round(end * RATE) + 1)
+    ticks = np.arange(round((plan.duration + STANDING) * RATE) + 1)
     lift_off, planned, landed = np.round(plan.phase_start[1:] * RATE).astype(int)
     touchdown = planned - EARLY_TICKS
     detected = touchdown + LATENCY_TICKS
 
-    com, velocity, _ = _com(plan, lift_off * dt, touchdown * dt, landed * dt, end)(ticks * dt)
-    yaw, yaw_rate, _ = _yaw(plan, lift_off * dt, touchdown * dt, landed * dt, end)(ticks * dt)
-    yaw, yaw_rate = yaw[:, 0], yaw_rate[:, 0]
-    omega = yaw_rate[:, None] * np.array([0.0, 0.0, 1.0])
-    R = rotation_about_z(yaw)
-    inertia = np.einsum("kia,ab,kjb->kij", R, plan.inertia[0], R)
-    momentum, spin = mass * velocity, np.einsum("kij,kj->ki", inertia, omega)
-    arm = np.einsum("kij,j->ki", R, plan.base_position[0] - plan.com[0])
-
-    flying = (ticks >= lift_off) & (ticks < touchdown)
-    share = np.clip((ticks - lift_off) / (touchdown - lift_off), 0, 1)[:, None, None]
-    foot = (1 - share) * plan.foot_position[0] + share * plan.foot_position[-1]
-    foot[..., 2] += 0.32 * share[..., 0] * (1 - share[..., 0])
-    force = _forces(momentum, spin, com, foot, flying, mass, dt)
-
-    reference = resample(plan, ticks * dt)
-    joints = reference.joint_position[:, order]
-    joint_speed = reference.joint_velocity[:, order]
-    torque = 30 * np.sin(ticks[:, None] * dt * 9 + np.arange(len(order)))
-    signal = np.zeros(len(ticks))
-    signal[flying] = 0.01 * (1 + np.sin(ticks[flying]))
-    signal[touchdown : detected + 1] = 0.05 * (1 + ticks[touchdown : detected + 1] - touchdown)
-    mode = np.where((ticks >= detected) & (ticks * dt < detected * dt + FORCE_PHASE), Mode.FORCE, 0)
-    phase = np.select([ticks < lift_off, ticks < detected], [0, 1], 2)
-    arrays = {
-        "time": ticks * dt,
-        "qpos": np.hstack([com + arm, quat_about_z(yaw), joints]),
-        "qvel": np.hstack([velocity + np.cross(omega, arm), omega, joint_speed]),
-        "torque": torque,
-        "torque_limit": TORQUE_LIMIT * np.clip(2 - np.abs(joint_speed) / 7.5, 0.2, 1.0),
-        "com": com,
-        "base_quat": quat_about_z(yaw),
-        "base_position": com + arm,
-        "linear_momentum": momentum,
-        "angular_momentum": spin,
-        "inertia": inertia,
-        "foot_position": foot,
-        "contact": np.repeat(~flying[:, None], len(legs), axis=1).astype(np.int64),
-        "contact_force": force,
-        "average_spatial_velocity_norm": np.hypot(np.linalg.norm(velocity, axis=1), yaw_rate),
-        "detection_signal": signal,
-        "mode": mode.astype(np.int64),
-        "phase": phase.astype(np.int64),
-        "reference_com": reference.com,
-        "reference_base_quat": reference.base_quat,
-        "reference_foot_position": reference.foot_position,
-        "reference_angular_momentum": reference.angular_momentum,
-    }
+    arrays = _arrays(plan, order, ticks, (lift_off, touchdown, detected, landed))
     if fell_at is not None:
         arrays = {key: values[ticks * dt <= fell_at] for key, values in arrays.items()}
     return Rollout(
@@ -119,6 +70,78 @@ def synthetic_rollout(
         },
         **arrays,
     )
+
+
+def _arrays(plan, order, ticks, instants):
+    """Name -> array of the rollout; `instants`: (ticks) of lift-off, touchdown, its detection and
+    the end of the landing.
+    """
+    lift_off, touchdown, detected, landed = instants
+    mass, dt, end = plan.robot_parameters["mass"], 1 / RATE, plan.duration + STANDING
+    com, velocity, _ = _com(plan, lift_off * dt, touchdown * dt, landed * dt, end)(ticks * dt)
+    yaw, yaw_rate, _ = _yaw(plan, lift_off * dt, touchdown * dt, landed * dt, end)(ticks * dt)
+    yaw, yaw_rate = yaw[:, 0], yaw_rate[:, 0]
+    omega = yaw_rate[:, None] * np.array([0.0, 0.0, 1.0])
+    R = rotation_about_z(yaw)
+    inertia = np.einsum("kia,ab,kjb->kij", R, plan.inertia[0], R)
+    momentum, spin = mass * velocity, np.einsum("kij,kj->ki", inertia, omega)
+    arm = np.einsum("kij,j->ki", R, plan.base_position[0] - plan.com[0])
+
+    flying = (ticks >= lift_off) & (ticks < touchdown)
+    share = np.clip((ticks - lift_off) / (touchdown - lift_off), 0, 1)[:, None, None]
+    foot = (1 - share) * plan.foot_position[0] + share * plan.foot_position[-1]
+    foot[..., 2] += 0.32 * share[..., 0] * (1 - share[..., 0])
+    force = _forces(momentum, spin, com, foot, flying, mass, dt)
+
+    reference, joints = _of_joints(plan, order, ticks)
+    signal, mode = _signals(flying, touchdown, detected)
+    phase = np.select([ticks < lift_off, ticks < detected], [0, 1], 2)
+    return {
+        "time": ticks * dt,
+        "qpos": np.hstack([com + arm, quat_about_z(yaw), joints["joint_position"]]),
+        "qvel": np.hstack([velocity + np.cross(omega, arm), omega, joints["joint_velocity"]]),
+        "torque": joints["torque"],
+        "torque_limit": joints["torque_limit"],
+        "com": com,
+        "base_quat": quat_about_z(yaw),
+        "base_position": com + arm,
+        "linear_momentum": momentum,
+        "angular_momentum": spin,
+        "inertia": inertia,
+        "foot_position": foot,
+        "contact": np.repeat(~flying[:, None], len(plan.leg_mass), axis=1).astype(np.int64),
+        "contact_force": force,
+        "average_spatial_velocity_norm": np.hypot(np.linalg.norm(velocity, axis=1), yaw_rate),
+        "detection_signal": signal,
+        "mode": mode,
+        "phase": phase.astype(np.int64),
+        **{
+            f"reference_{name}": getattr(reference, name)
+            for name in ("com", "base_quat", "foot_position", "angular_momentum")
+        },
+    }
+
+
+def _signals(flying, touchdown, detected):
+    """The detector's signal, the controller's mode and its phase, (T,) each."""
+    ticks = np.arange(len(flying))
+    signal = np.zeros(len(ticks))
+    signal[flying] = 0.01 * (1 + np.sin(ticks[flying]))
+    signal[touchdown : detected + 1] = 0.05 * (1 + ticks[touchdown : detected + 1] - touchdown)
+    lasts = (ticks >= detected) & (ticks / RATE < detected / RATE + FORCE_PHASE)
+    return signal, np.where(lasts, Mode.FORCE, 0).astype(np.int64)
+
+
+def _of_joints(plan, order, ticks):
+    """The plan at the ticks, and name -> (T, J) array of what the joints do."""
+    at = resample(plan, ticks / RATE)
+    speed = at.joint_velocity[:, order]
+    return at, {
+        "joint_position": at.joint_position[:, order],
+        "joint_velocity": speed,
+        "torque": 30 * np.sin(ticks[:, None] / RATE * 9 + np.arange(len(order))),
+        "torque_limit": TORQUE_LIMIT * np.clip(2 - np.abs(speed) / 7.5, 0.2, 1.0),
+    }
 
 
 def followed(plan: Plan) -> Rollout:

@@ -48,15 +48,7 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     com, inertia, momentum, foot_position, foot_rotation, balls = _by_pinocchio(robot, at.q, at.v)
     phase = np.append(np.repeat(grid.phase, len(NODES)), len(grid.phases) - 1)
     rests = _resting(plan.schedule.stands[phase])
-    # Soles drift by less than the rows' tolerance from where they are planned to stand.
-    stands, touches = feet.place.copy(), feet.place.copy()
-    if robot.file.foot.is_point:  # balls roll, and their frames rise and sink as shanks lean
-        tilt = feet.tilt[np.arange(len(time)) // 2]
-        normal, radius = normals(tilt), foot_contacts(robot)[0].radius
-        above = (normal * (balls - feet.place)).sum(axis=-1) - radius
-        stands = foot_position - above[..., None] / normal[..., 2:] * [0.0, 0.0, 1.0]
-        touches[..., :2] = foot_position[..., :2] - robot.foot_lift * normal[..., :2]
-        touches[..., 2] += (tilt * (touches - feet.place)[..., :2]).sum(axis=-1)
+    stands, touches = _where_feet_stand(robot, feet, foot_position, balls)
     foot_position = np.where(rests[..., None], stands, foot_position)
     foot_quat = np.where(rests[..., None], feet.quat, _of_soles(robot, foot_rotation))
     corners = rotation_matrices(foot_quat) @ robot.corners.T
@@ -99,6 +91,25 @@ def plan_of(motion: Motion, feet: Feet, plan: Plan, robot: Robot, grid: Grid) ->
     )
     standing = standing_torque(robot, KnotMotion.of_plan(found), joints[-1])
     return replace(found, joint_torque=np.vstack([torque[:node_count], standing]))
+
+
+def _where_feet_stand(
+    robot: Robot, feet: Feet, foot_position: Array, balls: Array
+) -> tuple[Array, Array]:
+    """(K, L, 3) m, twice: where feet are that stand, and what of the ground they touch.
+
+    Soles drift by less than the rows' tolerance from where they are planned to stand. Balls roll,
+    and their frames rise and sink as shanks lean.
+    """
+    if not robot.file.foot.is_point:
+        return feet.place, feet.place
+    tilt, touches = feet.tilt[np.arange(len(foot_position)) // 2], feet.place.copy()
+    normal, radius = normals(tilt), foot_contacts(robot)[0].radius
+    above = (normal * (balls - feet.place)).sum(axis=-1) - radius
+    stands = foot_position - above[..., None] / normal[..., 2:] * [0.0, 0.0, 1.0]
+    touches[..., :2] = foot_position[..., :2] - robot.foot_lift * normal[..., :2]
+    touches[..., 2] += (tilt * (touches - feet.place)[..., :2]).sum(axis=-1)
+    return stands, touches
 
 
 def _by_pinocchio(
