@@ -80,7 +80,6 @@ def synthetic_plan(
     turns about z only and feet move on straight lines in the turning frame, as in a planner's
     plan. Nothing is optimal and the forces may pull.
     """
-    mass, legs = MASS, len(LEGS)
     edges = np.concatenate([[0.0], np.cumsum(durations)])
     time = np.concatenate(
         [np.linspace(a, b, intervals, endpoint=False) for a, b in pairwise(edges)] + [edges[-1:]]
@@ -92,8 +91,8 @@ def synthetic_plan(
 
     yaw = twist * (time / edges[-1]) ** 2 * (3 - 2 * time / edges[-1])
     foot = _footholds(schedule, twist, [forward, 0, height])[phase]
-    force = _forces(stands, mass)
-    com, velocity, momentum = _motion(time, foot, force, mass)
+    force = _forces(stands, MASS)
+    com, velocity, momentum = _motion(time, foot, force, MASS)
 
     R = rotation_about_z(yaw)
     in_base = np.einsum("kji,klj->kli", R, foot - com[:, None])
@@ -112,15 +111,15 @@ def synthetic_plan(
         base_quat=quat_sign * quat_about_z(yaw),
         base_position=com + np.einsum("kij,j->ki", R, [0.01, 0.0, 0.02]),
         angular_velocity=yaw_rate[:, None] * np.array([0.0, 0.0, 1.0]),
-        linear_momentum=mass * velocity,
+        linear_momentum=MASS * velocity,
         angular_momentum=momentum,
         inertia=np.einsum("kia,kab,kjb->kij", R, _inertia(leg_com_in_base), R),
         foot_position=foot,
-        foot_quat=np.tile([1.0, 0, 0, 0], (knots, legs, 1)),
+        foot_quat=np.tile([1.0, 0, 0, 0], (knots, len(LEGS), 1)),
         contact_point=foot.copy(),
         contact_force=force,
-        leg_mass=np.full(legs, LEG_MASS),
-        base_mass=mass - legs * LEG_MASS,
+        leg_mass=np.full(len(LEGS), LEG_MASS),
+        base_mass=MASS - len(LEGS) * LEG_MASS,
         leg_com=com[:, None] + np.einsum("kij,klj->kli", R, leg_com_in_base),
         schedule=schedule,
         **_joints(time),
