@@ -4,7 +4,7 @@
     python -m benchmarks.ground --kinds routes --robots go2,anymal --requests 20 --seed 41
 
 Slopes: +-20 degrees of pitch and +-15 of roll under the take-off or the landing. Stones: each foot
-lands up to 5 cm aside and 10 cm above its place. Stairs: steps of 25 cm by 12 cm, one or two up or
+lands up to 10 cm aside and 10 cm above its place. Stairs: steps of 25 cm by 12 cm, one or two up or
 down. Routes: three to five landings of 10 to 35 cm, +-15 cm in height, +-60 degrees in all of turn.
 Other components are uniform over half of the file's ranges; what is drawn beyond the file's ranges
 is drawn again. Requests and disturbances follow from the seed alone.
@@ -52,7 +52,7 @@ def slopes(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
 def stones(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
     """Every foot elsewhere."""
     places = {
-        leg: [*rng.uniform(-0.05, 0.05, 2).tolist(), float(rng.uniform(0.0, 0.1))]
+        leg: [*rng.uniform(-0.1, 0.1, 2).tolist(), float(rng.uniform(0.0, 0.1))]
         for leg in robot.leg_names
     }
     return _moves(rng, robot) | {"stones": places}

@@ -1,14 +1,15 @@
 """The largest jumps of robots (`llsrbm largest`), and the largest that are strict in simulations.
 
     python -m benchmarks.largest --robots go2,anymal --components forward,up --seeds 15000:15020
-    python -m benchmarks.largest --robots g1 --components forward --arms held
+    python -m benchmarks.largest --robots go2 --components forward --types rear-last,run-up
 
-A line a robot and component: the largest that is planned, what stops it, and the time it took. With
+A line a robot, jump type and component: the largest that is planned, what stops it, and the time it took. With
 `--seeds` each plan is simulated with every seed, everything disturbed: the largest, and then those
 on the way to it until one is strict in nine of ten; that one is named, with its counts.
 """
 
 import time
+from itertools import product
 from typing import Annotated
 
 import typer
@@ -18,6 +19,7 @@ from benchmarks.counting import Counts, count, seeds_of
 from benchmarks.jump_types import failures
 from llsrbm.largest_jump import DIRECTIONS, Largest
 from llsrbm.motion.plan import Plan
+from llsrbm.request.jump import PLAIN
 
 COMPONENTS = "twist,forward,backward,lateral,up,down"  # robots are mirrored: not to the right too
 STRICT = 0.9  # share of the seeds
@@ -48,21 +50,23 @@ def score(found: Largest, seeds: range) -> None:
 def main(
     robots: Annotated[str, typer.Option(help="Names, with commas.")] = "go2",
     components: Annotated[str, typer.Option(help="Likewise.")] = COMPONENTS,
+    types: Annotated[str, typer.Option(help="Jump types, likewise.")] = PLAIN,
     arms: Annotated[str, typer.Option(help="free or held.")] = "free",
     seeds: Annotated[str, typer.Option(help="First:last+1 of simulations.")] = "",
 ) -> None:
-    for robot in robots.split(","):
-        for component in components.split(","):
-            start = time.perf_counter()
-            try:
-                found = llsrbm.largest(llsrbm.Jump(robot=robot, arms=arms), component)
-            except llsrbm.NotConverged as error:
-                print(f"{robot} {component}: {error}", flush=True)
-                continue
-            seconds, words = time.perf_counter() - start, in_words(found, found.plan)
-            print(f"{robot} {component}: {words}; {found.limit}; {seconds:.0f} s", flush=True)
-            if seeds:
-                score(found, seeds_of(seeds))
+    for robot, kind, component in product(
+        *(each.split(",") for each in (robots, types, components))
+    ):
+        name, start = f"{robot} {kind} {component}", time.perf_counter()
+        try:
+            found = llsrbm.largest(llsrbm.Jump(robot=robot, type=kind, arms=arms), component)
+        except llsrbm.NotConverged as error:
+            print(f"{name}: {error}", flush=True)
+            continue
+        seconds, words = time.perf_counter() - start, in_words(found, found.plan)
+        print(f"{name}: {words}; {found.limit}; {seconds:.0f} s", flush=True)
+        if seeds:
+            score(found, seeds_of(seeds))
 
 
 if __name__ == "__main__":
