@@ -3,9 +3,10 @@
     python -m benchmarks.largest --robots go2,anymal --components forward,up --seeds 15000:15020
     python -m benchmarks.largest --robots go2 --components forward --types rear-last,run-up
 
-A line a robot, jump type and component: the largest that is planned, what stops it, and the time it took. With
-`--seeds` each plan is simulated with every seed, everything disturbed: the largest, and then those
-on the way to it until one is strict in nine of ten; that one is named, with its counts.
+A line a robot, jump type and component: the largest that is planned, what stops it, and the time
+it took. With `--seeds` each plan is simulated with every seed, everything disturbed: the largest,
+and then those on the way to it until one is strict in nine of ten; that one is named, with its
+counts.
 """
 
 import time
