@@ -22,6 +22,9 @@ from llsrbm.robots.robot import Robot
 from llsrbm.robots.shapes import Shape, link_shapes
 
 TOUCHING = -0.005  # m: feet and legs are as far off between a plan's knots
+# Of another tool's motion: m within which feet stand on the same level, and the share of their
+# instants that may be lower than all others.
+LEVEL, RARE = 0.015, 0.02
 
 
 class SelfDistance(Check):
@@ -48,7 +51,7 @@ class Clearance(Check):
 
     worst: least distance in m from a link to any of them, the links of standing feet left out;
     negative inside. 5 mm of touching are allowed: as much do feet wander between a plan's knots.
-    In another tool's motion the ground alone is known: it is where feet stand.
+    In another tool's motion the ground alone is known: it is the lowest level on which feet stand.
     """
 
     name, unit = "clearance", "m"
@@ -77,7 +80,10 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     if not isinstance(source, WholeBodyMotion):
         return surroundings(motion.robot, source, Scenario())
     heights = source.foot_position[..., 2][source.contact]
-    return Surroundings(float(np.median(heights)), ()) if len(heights) else None
+    if not len(heights):
+        return None
+    lowest = heights < np.quantile(heights, RARE) + LEVEL
+    return Surroundings(float(np.median(heights[lowest])), ())
 
 
 def _nearest(

@@ -218,7 +218,11 @@ def _of_rollout(rollout: Rollout) -> SampledMotion:
 
 
 def _of_states(motion: WholeBodyMotion) -> SampledMotion:
-    """Straight between frames, torques and forces those of the frame before."""
+    """Straight between frames, torques and forces those of the frame before.
+
+    Between frames a foot stands that does in both: of one that leaves or lands in between it is not
+    known when. Where there are forces it stands as long as these last.
+    """
     knots, robot = motion.time, motion.robot
     times = _instants(knots, both_sides=False)
     frame = np.searchsorted(knots, times, side="right") - 1
@@ -233,6 +237,9 @@ def _of_states(motion: WholeBodyMotion) -> SampledMotion:
     q, v = pinocchio_states(qpos, qvel)
     rates = pinocchio_states(motion.qpos, motion.qvel)[1]
     forces, points = motion.foot_force, motion.pressed_at
+    contact = motion.contact[frame]
+    if forces is None:
+        contact &= motion.contact[frame + 1]
     return SampledMotion(
         source=motion,
         robot=robot,
@@ -241,7 +248,7 @@ def _of_states(motion: WholeBodyMotion) -> SampledMotion:
         q=q,
         v=v,
         a=(np.diff(rates, axis=0) / np.diff(knots)[:, None])[frame],
-        contact=motion.contact[frame],
+        contact=contact,
         points=None if points is None else points[frame][:, :, None],
         forces=None if forces is None else forces[frame][:, :, None],
         recorded_torque=None if motion.joint_torque is None else motion.joint_torque[frame],

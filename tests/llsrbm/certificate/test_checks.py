@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from llsrbm.certificate import CHECKS
+from llsrbm.certificate import CHECKS, certify
 from llsrbm.certificate.sampled_motion import SampledMotion
-from llsrbm.motion.whole_body import motion_of_states
+from llsrbm.motion.whole_body import motion_of_states, velocities
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
 
@@ -184,3 +184,31 @@ def test_clearance(falling, standing, depth, names):
 def test_no_number_is_not_within_a_limit(standing):
     standing.forces[3, 1] = np.nan
     assert {"friction", "dynamics"} <= broken(standing)
+
+
+def foreign(shift, stands):
+    """The robot's posture in each frame, shifted by (COUNT, 3) m; `stands`: (COUNT,)."""
+    q = ROBOT.posture
+    qpos = np.tile(np.concatenate([q[:3], q[[6, 3, 4, 5]], q[7:]]), (COUNT, 1))
+    qpos[:, :3] += shift
+    found = motion_of_states(ROBOT, "hand", TIME, qpos, velocities(TIME, qpos))
+    return replace(found, contact=np.tile(stands[:, None], (1, 4)))
+
+
+def test_a_foot_that_leaves_between_two_frames_does_not_slip():
+    gone = np.arange(COUNT) >= 12
+    shift = 0.05 * gone[:, None] * [1.0, 0.0, 1.0]
+    assert certify(foreign(shift, ~gone))["slip"].holds
+    assert not certify(foreign(shift, gone | ~gone))["slip"].holds
+
+
+def test_the_ground_is_the_lowest_that_feet_stand_on():
+    up = 0.3 * (np.arange(COUNT) >= COUNT // 4)  # on a box most of the time
+    always = np.ones(COUNT, dtype=bool)
+    assert certify(foreign(up[:, None] * [0.0, 0.0, 1.0], always))["clearance"].holds
+    # A single foot in a single frame is not the ground.
+    motion = foreign(0.0, always)
+    feet = motion.foot_position.copy()
+    feet[3, 0, 2] -= 0.3
+    lower = certify(replace(motion, foot_position=feet))["clearance"]
+    assert lower.worst == pytest.approx(certify(motion)["clearance"].worst)
