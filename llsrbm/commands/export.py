@@ -126,7 +126,7 @@ def _facts(format_: Format, robot: Robot | None) -> list[str]:
         "",
         f"purpose       {format_.purpose.value}",
         f"name ends in  {format_.suffix or '(a folder)'}",
-        "holds         plan, rollout",
+        f"holds         plan, rollout{', motion' if format_.write_motion else ''}",
         f"options       {', '.join(taken) or 'none'}",
         f"can be opened {reads}",
     ]

@@ -19,7 +19,7 @@ from llsrbm.errors import FileFormatError, InputError
 from llsrbm.files.atomic import staged
 from llsrbm.files.npz import keys
 from llsrbm.formats import plausibility
-from llsrbm.formats.base import ORDERS, Format, Options, Purpose
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose, Written
 from llsrbm.formats.logs import MCAP, RRD
 from llsrbm.formats.motion_npz import MOTION_NPZ
 from llsrbm.formats.mujoco.folder import MUJOCO
@@ -39,7 +39,7 @@ from llsrbm.robots import Robot, load_robot
 
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "Purpose", "export", "file_name", "find"]
 __all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion", "readable"]
-__all__ += ["export_many", "remarks_of"]
+__all__ += ["check_motion_format", "export_many", "remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
 _PICKLES = (".pkl", ".pickle", ".p")
@@ -193,7 +193,7 @@ def _openable() -> str:
 
 
 def export(
-    trajectory: Trajectory,
+    trajectory: Written,
     path: str | Path,
     format: str | Sequence[str] = "npz",  # noqa: A002  # the word of the public interface
     **options: Any,
@@ -201,26 +201,30 @@ def export(
     """Write a trajectory to a file, or in several formats into a zip.
 
     Args:
-        trajectory: what `llsrbm.plan`, `llsrbm.simulate` or `llsrbm.load` returned.
+        trajectory: what `llsrbm.plan`, `llsrbm.simulate` or `llsrbm.load` returned; in a trainer's
+            format also a motion, of `llsrbm.load_motion` or `llsrbm.repair_clip`.
         path: the file, or the folder of a format that is one; replaced when all has been written.
             A path that ends in ".zip" gets an archive of all that is written.
         format: a name, or several, of `llsrbm formats`.
         options: of `llsrbm.formats.Options`, as far as the formats take them: `fps`, `pad`,
-            `order`, `size`, `camera`, `packed`.
+            `order`, `size`, `camera`, `packed`. A motion has its own rate and is not padded.
 
     Raises:
-        InputError: no such format, or one whose packages are missing or that takes no such option;
-            a value that makes no sense; a file that cannot be written. Nothing is left behind.
+        InputError: no such format, or one whose packages are missing or that takes no such option,
+            or no motion; a value that makes no sense; a file that cannot be written. Nothing is
+            left behind.
     """
     names = [format] if isinstance(format, str) else list(dict.fromkeys(format))
     if not names:
         raise InputError("no format is named; expected one or more of `llsrbm formats`")
     formats = [find(name) for name in names]
-    chosen = [(each, _options(each, options)) for each in formats]
     _check_used(formats, options)
+    if isinstance(trajectory, WholeBodyMotion):
+        options = _of_motion(trajectory, formats, options)
+    chosen = [(each, _options(each, options)) for each in formats]
     for each in formats:
         each.check_installed()
-        if each.fits is not None:
+        if each.fits is not None and not isinstance(trajectory, WholeBodyMotion):
             each.fits(load_robot(trajectory.jump.robot))
     path = Path(path)
     zipped = path.suffix.lower() == ".zip"
@@ -233,7 +237,37 @@ def export(
         if zipped:
             _write_zip(trajectory, chosen, target)
         else:
-            chosen[0][0].write(trajectory, target, chosen[0][1])
+            _write(trajectory, target, *chosen[0])
+
+
+def _of_motion(
+    motion: WholeBodyMotion, formats: Sequence[Format], given: dict[str, Any]
+) -> dict[str, Any]:
+    """Options with which a motion is written; raises `InputError`: it cannot be."""
+    for each in formats:
+        check_motion_format(each.name)
+    for name in ("fps", "pad"):
+        if name in given:
+            raise InputError(f"{name}: is not for a motion, which is written frame by frame")
+    if motion.fps is None:
+        raise InputError("the motion's frames are not evenly spaced; expected one rate")
+    return given | {"fps": motion.fps}
+
+
+def check_motion_format(name: str) -> None:
+    """Raise `InputError` unless there is a format of that name that motions can be written in."""
+    if find(name).write_motion is None:
+        able = ", ".join(name for name, each in _formats().items() if each.write_motion)
+        raise InputError(
+            f'format "{name}" is of plans and simulations; of a motion expected {able}'
+        )
+
+
+def _write(written: Written, path: Path, format_: Format, options: Options) -> None:
+    if not isinstance(written, WholeBodyMotion):
+        format_.write(written, path, options)
+    elif format_.write_motion is not None:
+        format_.write_motion(written, path, options)
 
 
 def export_many(
@@ -273,24 +307,25 @@ def file_name(trajectory: Trajectory, names: Sequence[str], *, zipped: bool = Fa
     return name if format_.suffix and not zipped else f"{name.removesuffix(format_.suffix)}.zip"
 
 
-def _stem(trajectory: Trajectory) -> str:
+def _stem(trajectory: Written) -> str:
+    if isinstance(trajectory, WholeBodyMotion):
+        return f"{trajectory.robot.name}_motion"
     jump = trajectory.jump
     kind = [] if isinstance(trajectory, Plan) else ["simulated"]
     return "_".join((Path(jump.robot).stem, file_words(jump), *kind))
 
 
-def _own_name(trajectory: Trajectory, format_: Format) -> str:
+def _own_name(trajectory: Written, format_: Format) -> str:
     """The name of a file or folder of a format."""
     tag = f"_{format_.tag}" if format_.tag else ""
     return f"{_stem(trajectory)}{tag}{format_.suffix}"
 
 
-def _write_zip(
-    trajectory: Trajectory, chosen: Sequence[tuple[Format, Options]], target: Path
-) -> None:
+def _write_zip(trajectory: Written, chosen: Sequence[tuple[Format, Options]], target: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for format_, options in chosen:
-            format_.write(trajectory, Path(folder) / _own_name(trajectory, format_), options)
+            name = _own_name(trajectory, format_)
+            _write(trajectory, Path(folder) / name, format_, options)
         with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
             for file in sorted(Path(folder).rglob("*")):
                 if file.is_file():

@@ -12,8 +12,8 @@ from typing import Any
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.trajectory import Trajectory, description
-from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.motion.trajectory import Trajectory, description, motion_description
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.stated import stated_drives
 from llsrbm.robots.drives.variants import driven
@@ -24,6 +24,8 @@ _STATED = ("fps", "pad", "order", "packed")  # options that a description has
 _SMALLEST, _LARGEST = 32, 4096  # pixels
 _BESIDE = ".meta.json"  # after the whole name of the file that it is of
 _LARGEST_JSON = 1024**2  # bytes; ours have some ten thousand
+
+Written = Trajectory | WholeBodyMotion
 
 
 @dataclass(frozen=True)
@@ -100,6 +102,8 @@ class Format:
         write: (trajectory, path, options) -> None, writes the file or folder at exactly that path,
             and further files beside it under names that begin with its name. Raises `InputError`
             if it cannot. Nobody sees the path before everything has been written.
+        write_motion: the same of a motion at its own rate, which is neither a plan nor a rollout;
+            None: it is not for these.
         write_many: ((name, trajectory), ..., folder, options) -> None, writes a file `NAME` of each
             into a folder, and once what they share; None: there is no such way.
         conventions: frames, units and orders, in a few lines.
@@ -117,6 +121,7 @@ class Format:
     suffix: str
     write: Callable[[Trajectory, Path, Options], None]
     conventions: str
+    write_motion: Callable[[WholeBodyMotion, Path, Options], None] | None = None
     write_many: Callable[[Iterable[tuple[str, Trajectory]], Path, Options], None] | None = None
     options: tuple[str, ...] = ()
     defaults: Options = field(default_factory=Options)
@@ -142,22 +147,32 @@ class Format:
                 f'pip install "llsrbm[{self.extra.name}]"'
             )
 
-    def described(self, trajectory: Trajectory, options: Options, **own: Any) -> dict[str, Any]:
-        """Description of an exported trajectory as plain data; `own`: orders, columns and so on."""
+    def described(self, motion: Written, options: Options, **own: Any) -> dict[str, Any]:
+        """Description of what is exported as plain data; `own`: orders, columns and so on."""
         taken = {name: getattr(options, name) for name in self.options if name in _STATED}
-        drives = stated_drives(driven_robot(trajectory))
-        return {"format": self.name, **taken, **own, "drives": drives, **description(trajectory)}
+        if isinstance(motion, WholeBodyMotion):
+            drives, of_it = stated_drives(motion.robot), motion_description(motion)
+        else:
+            drives, of_it = stated_drives(driven_robot(motion)), description(motion)
+        return {"format": self.name, **taken, **own, "drives": drives, **of_it}
 
-    def described_json(self, trajectory: Trajectory, options: Options, **own: Any) -> str:
+    def described_json(self, motion: Written, options: Options, **own: Any) -> str:
         """The same as JSON."""
-        return json.dumps(self.described(trajectory, options, **own), allow_nan=False)
+        return json.dumps(self.described(motion, options, **own), allow_nan=False)
 
-    def write_beside(
-        self, path: Path, trajectory: Trajectory, options: Options, **own: Any
-    ) -> None:
+    def write_beside(self, path: Path, motion: Written, options: Options, **own: Any) -> None:
         """Write `described` beside `path`, under its name and `.meta.json`."""
-        text = json.dumps(self.described(trajectory, options, **own), indent=1, allow_nan=False)
+        text = json.dumps(self.described(motion, options, **own), indent=1, allow_nan=False)
         path.with_name(path.name + _BESIDE).write_text(text + "\n", encoding="utf-8")
+
+
+def frames_of(motion: Written, options: Options) -> WholeBodyMotion:
+    """Evenly spaced frames to write: of a plan or a rollout as the options have it, of a motion its
+    own. Raises `InputError`: as `llsrbm.motion.whole_body.whole_body_motion`.
+    """
+    if isinstance(motion, WholeBodyMotion):
+        return motion
+    return whole_body_motion(motion, options.fps, options.pad)
 
 
 def driven_robot(trajectory: Trajectory) -> Robot:

@@ -32,12 +32,11 @@ import numpy as np
 from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
-from llsrbm.formats.base import ORDERS, Format, Options, Purpose
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose, Written, frames_of
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
-from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 
 _BREADTH_FIRST = ORDERS[1]
@@ -53,12 +52,12 @@ _LAYOUT = {
 _EXPECTED = "expected a motion-tracking npz file (mjlab, BeyondMimic)"
 
 
-def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
-    motion = whole_body_motion(trajectory, options.fps, options.pad)
+def _write(written: Written, path: Path, options: Options) -> None:
+    motion = frames_of(written, options)
     bodies = body_motion(motion, options.order)
     of_com = options.order == _BREADTH_FIRST
     meta = MOTION_NPZ.described_json(
-        trajectory,
+        written,
         options,
         quaternion_order="wxyz",
         linear_velocity_of="centre of mass of the body" if of_com else "origin of the link",
@@ -135,6 +134,7 @@ MOTION_NPZ = Format(
     purpose=Purpose.LEARNING,
     suffix=".npz",
     write=_write,
+    write_motion=_write,
     conventions=__doc__,
     options=("fps", "pad", "order"),
     defaults=Options(fps=50.0),

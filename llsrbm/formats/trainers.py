@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from llsrbm.arrays import Array
-from llsrbm.formats.base import ORDERS, Format, Options, Purpose
+from llsrbm.formats.base import ORDERS, Format, Options, Purpose, Written, frames_of
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order
-from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import whole_body_motion
 
 _PICKLE_PROTOCOL = 4  # Python 3.4 and later: simulators are tied to old ones
 _XYZW = [1, 2, 3, 0]
@@ -30,8 +28,8 @@ def _write_pickle(path: Path, content: dict[str, Any]) -> None:
         _Pickler(file, protocol=_PICKLE_PROTOCOL).dump(content)
 
 
-def _write_gmr(trajectory: Trajectory, path: Path, options: Options) -> None:
-    motion = whole_body_motion(trajectory, options.fps, options.pad)
+def _write_gmr(written: Written, path: Path, options: Options) -> None:
+    motion = frames_of(written, options)
     bodies = body_motion(motion, ORDERS[0])
     from_root = bodies.position - motion.base_position[:, None]
     R_world_base = rotation_matrices(motion.base_quat)
@@ -45,11 +43,11 @@ def _write_gmr(trajectory: Trajectory, path: Path, options: Options) -> None:
     }
     _write_pickle(path, content)
     joints = list(bodies.order.joints)
-    GMR_PKL.write_beside(path, trajectory, options, quaternion_order="xyzw", joint_order=joints)
+    GMR_PKL.write_beside(path, written, options, quaternion_order="xyzw", joint_order=joints)
 
 
-def _write_mimickit(trajectory: Trajectory, path: Path, options: Options) -> None:
-    motion = whole_body_motion(trajectory, options.fps, options.pad)
+def _write_mimickit(written: Written, path: Path, options: Options) -> None:
+    motion = frames_of(written, options)
     order = body_order(motion.robot, ORDERS[0])
     root = motion.base_position, exponential_map(motion.base_quat)
     frames = np.hstack([*root, order.position(motion)])
@@ -57,7 +55,7 @@ def _write_mimickit(trajectory: Trajectory, path: Path, options: Options) -> Non
     _write_pickle(path, {"loop_mode": 0, "fps": options.fps, "frames": frames.tolist()})
     columns = ["x", "y", "z", "rx", "ry", "rz", *order.joints]
     MIMICKIT_PKL.write_beside(
-        path, trajectory, options, joint_order=list(order.joints), columns=columns
+        path, written, options, joint_order=list(order.joints), columns=columns
     )
 
 
@@ -74,8 +72,8 @@ def exponential_map(quat: Array) -> Array:
     return quat[:, 1:] * scale[:, None]
 
 
-def _write_motion_imitation(trajectory: Trajectory, path: Path, options: Options) -> None:
-    motion = whole_body_motion(trajectory, options.fps, options.pad)
+def _write_motion_imitation(written: Written, path: Path, options: Options) -> None:
+    motion = frames_of(written, options)
     order = body_order(motion.robot, ORDERS[0])
     root = motion.base_position, motion.base_quat[:, _XYZW]
     frames = np.hstack([*root, order.position(motion)])
@@ -85,7 +83,7 @@ def _write_motion_imitation(trajectory: Trajectory, path: Path, options: Options
         "EnableCycleOffsetPosition": False,
         "EnableCycleOffsetRotation": False,
         "JointOrder": list(order.joints),
-        "Meta": MOTION_IMITATION_JSON.described(trajectory, options, quaternion_order="xyzw"),
+        "Meta": MOTION_IMITATION_JSON.described(written, options, quaternion_order="xyzw"),
     }
     lines = [f"{json.dumps(key)}: {json.dumps(head[key], allow_nan=False)},\n" for key in head]
     rows = ["[" + ", ".join(f"{value:.9f}" for value in row) + "]" for row in frames]
@@ -100,6 +98,7 @@ GMR_PKL = Format(
     purpose=Purpose.LEARNING,
     suffix=".pkl",
     write=_write_gmr,
+    write_motion=_write_gmr,
     conventions="""\
 GMR's motion of a robot: a pickled dictionary of arrays.
 
@@ -124,6 +123,7 @@ MIMICKIT_PKL = Format(
     purpose=Purpose.LEARNING,
     suffix=".pkl",
     write=_write_mimickit,
+    write_motion=_write_mimickit,
     conventions="""\
 MimicKit's motion: a pickled dictionary.
 
@@ -148,6 +148,7 @@ MOTION_IMITATION_JSON = Format(
     purpose=Purpose.LEARNING,
     suffix=".json",
     write=_write_motion_imitation,
+    write_motion=_write_motion_imitation,
     conventions="""\
 The motion clip of motion_imitation, from which quadrupeds learned to imitate dogs: JSON.
 

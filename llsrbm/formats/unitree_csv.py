@@ -26,11 +26,17 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.errors import FileFormatError
-from llsrbm.formats.base import Format, Options, Purpose, read_beside
+from llsrbm.formats.base import (
+    Format,
+    Options,
+    Purpose,
+    Written,
+    frames_of,
+    read_beside,
+)
 from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
 from llsrbm.motion.bodies import urdf_joints
-from llsrbm.motion.trajectory import Trajectory
-from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
 from llsrbm.text_files import read_text
 
@@ -48,15 +54,15 @@ _VARIANTS = (_WAIST, _WAIST | _WRISTS)
 _MOST_COLUMNS = 200  # a row of more is not parsed
 
 
-def _write(trajectory: Trajectory, path: Path, options: Options) -> None:
-    motion = whole_body_motion(trajectory, options.fps, options.pad)
+def _write(written: Written, path: Path, options: Options) -> None:
+    motion = frames_of(written, options)
     order = urdf_joints(motion.robot)
     root = motion.base_position, motion.base_quat[:, _XYZW]
     rows = np.hstack([*root, order.position(motion)])
     np.savetxt(path, rows, fmt="%.9f", delimiter=",")
     UNITREE_CSV.write_beside(
         path,
-        trajectory,
+        written,
         options,
         quaternion_order="xyzw",
         joint_order=list(order.joints),
@@ -164,6 +170,7 @@ UNITREE_CSV = Format(
     purpose=Purpose.LEARNING,
     suffix=".csv",
     write=_write,
+    write_motion=_write,
     conventions=__doc__,
     options=("fps", "pad"),
     defaults=Options(fps=30.0),

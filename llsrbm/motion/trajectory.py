@@ -15,6 +15,7 @@ from llsrbm.motion.plan import SCHEMA as PLAN_SCHEMA
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import SCHEMA as ROLLOUT_SCHEMA
 from llsrbm.motion.rollout import Rollout
+from llsrbm.motion.whole_body import WholeBodyMotion
 
 Trajectory = Plan | Rollout
 
@@ -66,6 +67,24 @@ def description(trajectory: Trajectory) -> dict[str, Any]:
             **_of_plan(trajectory.plan),
         }
     return json_value(common | of_it)
+
+
+def motion_description(motion: WholeBodyMotion) -> dict[str, Any]:
+    """The same of a motion that is neither: robot, origin, version and conventions."""
+    robot = motion.robot
+    return {
+        "kind": "motion",
+        "package_version": package_version(),
+        "origin": motion.origin,
+        "robot": {"name": robot.name},
+        "world_frame": "z up",
+        "units": "SI; angles in rad",
+        "legs": list(robot.leg_names),
+        "joints": list(robot.joint_names),
+        "joint_units": [
+            "m" if name in robot.sliding_joints else "rad" for name in robot.joint_names
+        ],
+    }
 
 
 def _of_plan(plan: Plan) -> dict[str, Any]:
