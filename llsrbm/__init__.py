@@ -33,8 +33,9 @@ if TYPE_CHECKING:
     from llsrbm.motion.rollout import Rollout
     from llsrbm.motion.trajectory import load
     from llsrbm.planning.whole_body.feedback import with_feedback
+    from llsrbm.repairing.clip import repair_clip
     from llsrbm.repairing.repair import repair
-    from llsrbm.repairing.result import Repair
+    from llsrbm.repairing.result import ClipRepair, Repair
     from llsrbm.request.design import Design, dump_design, load_design
     from llsrbm.request.jump import Jump
     from llsrbm.request.scenario import Push, Scenario
@@ -61,14 +62,16 @@ _LATER = {
         "llsrbm.motion.plan": ("Plan",),
         "llsrbm.motion.rollout": ("Rollout",),
         "llsrbm.planning.whole_body.feedback": ("with_feedback",),
+        "llsrbm.repairing.clip": ("repair_clip",),
         "llsrbm.repairing.repair": ("repair",),
-        "llsrbm.repairing.result": ("Repair",),
+        "llsrbm.repairing.result": ("ClipRepair", "Repair"),
     }.items()
     for name in names
 }
 
 __all__ = [
     "Cancelled",
+    "ClipRepair",
     "Design",
     "Error",
     "FileFormatError",
@@ -93,6 +96,7 @@ __all__ = [
     "load_motion",
     "plan",
     "repair",
+    "repair_clip",
     "sensitivity",
     "simulate",
     "with_feedback",

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
+from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate
-    from llsrbm.repairing.result import Repair
+    from llsrbm.repairing.result import ClipRepair, Repair
 
 
 def repair_command(
+    context: typer.Context,
     file: Annotated[
         Path,
         typer.Argument(metavar="FILE", help="A native file, or another tool's (`llsrbm formats`)."),
@@ -25,29 +27,85 @@ def repair_command(
         int, typer.Option(metavar="N", help="Which of several jumps that are apart.")
     ] = 1,
     out: options.Out = None,
+    clip: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT", help="Repair all jumps, and write the whole clip here."),
+    ] = None,
+    format_: Annotated[
+        str,
+        typer.Option(
+            "--format", metavar="F", help="The clip's format: one of motions for learning."
+        ),
+    ] = "motion-npz",
     as_json: options.AsJson = False,
 ) -> int:
     """Find the motion nearest to one of any tool's whose certificate holds.
 
     Its jump is found by how the feet move, and stays near: postures, durations and where the feet
-    stand. The exit status is 1 where there is no such motion; one line says why.
+    stand. With --clip all of its jumps are repaired and joined with what is beside them. The exit
+    status is 1 where a jump could not be repaired; one line says why.
     """
+    beside = [name for name in ("jump", "out") if options.is_given(context, name)]
+    if clip is not None and beside:
+        raise InputError(
+            f"--clip and --{beside[0]}: expected one of them; a clip has all its jumps"
+        )
+    if clip is None and options.is_given(context, "format_"):
+        raise InputError("--format: is that of a whole clip; expected --clip OUT with it")
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
-        from llsrbm.formats import load_any, remarks_of
+        from llsrbm.formats import check_motion_format, load_any, remarks_of
 
+        if clip is not None:
+            check_motion_format(format_)
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
-        found = llsrbm.repair(motion, jump=jump, progress=console.show_planning)
-        if out is not None and found.plan is not None:
-            llsrbm.with_feedback(found.plan).save(out)
+        found: Repair | ClipRepair
+        if clip is None:
+            found = llsrbm.repair(motion, jump=jump, progress=console.show_planning)
+            if out is not None and found.plan is not None:
+                llsrbm.with_feedback(found.plan).save(out)
+            rows = _description(found)
+        else:
+            found = llsrbm.repair_clip(motion, progress=console.show_planning)
+            if found.motion is not None:
+                llsrbm.export(found.motion, clip, format=format_)
+            rows = _clip_description(found)
         summary: dict[str, Any] = {"file": str(file), "remarks": list(remarks), **found.as_dict()}
-        lines = {} if as_json else _description(found)
-        console.print_result(summary, lines, stdout, as_json=as_json)
+        console.print_result(summary, {} if as_json else rows, stdout, as_json=as_json)
         if found.status == "failed":
             console.print_error(f"{file}: {found.why}")
     return console.FAILED if found.status == "failed" else console.DONE
+
+
+def _clip_description(found: ClipRepair) -> dict[str, str]:
+    rows = {"Result": found.status, "Before": _broken(found.before)}
+    if found.after is not None:
+        rows["After"] = _broken(found.after)
+    for number, jump in enumerate(found.jumps, start=1):
+        start, end = jump.phases[0].start_s, jump.phases[-1].end_s
+        rows[f"Jump {number}"] = f"{start:.2f} to {end:.2f} s: {jump.status}{_moved(jump)}"
+    if found.motion is not None:
+        rows["Clip"] = f"{found.motion.time[-1]:.2f} s"
+    if found.joins:
+        feet = max(join.feet_m for join in found.joins)
+        rows["Joins"] = (
+            f"{len(found.joins)}, in which standing feet move {1000 * feet:.1f} mm at most"
+        )
+    if found.why and found.status != "failed":
+        rows["Remark"] = found.why
+    return rows
+
+
+def _moved(found: Repair) -> str:
+    if found.moved is None:
+        return ""
+    by = found.moved
+    return (
+        f", joints {by.joint_rms_rad:.3f} rad (rms), base {100 * by.base_rms_m:.1f} cm (rms), "
+        f"landing {100 * by.landing_m:.1f} cm"
+    )
 
 
 def _description(found: Repair) -> dict[str, str]:
@@ -63,13 +121,7 @@ def _description(found: Repair) -> dict[str, str]:
     if found.plan is not None:
         rows["Plan"] = options.in_words(found.plan.jump)
     if found.moved is not None:
-        by = found.moved
-        rows["Moved"] = (
-            f"joints {by.joint_rms_rad:.3f} rad (rms), base {100 * by.base_rms_m:.1f} cm (rms), "
-            f"landing {100 * by.landing_m:.1f} cm"
-        )
-    for beside in found.rest:
-        rows[f"Beside, {beside.start_s:.2f} to {beside.end_s:.2f} s"] = _broken(beside.certificate)
+        rows["Moved"] = _moved(found).removeprefix(", ")
     if found.why and found.status != "failed":
         rows["Remark"] = found.why
     return rows

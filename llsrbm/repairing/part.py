@@ -11,6 +11,7 @@ from llsrbm.arrays import Array
 from llsrbm.errors import Error
 from llsrbm.mechanics import GRAVITY, tilt
 from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.repairing.feet import feet_of
 from llsrbm.repairing.phases import ContactPhase, contact_phases
 
 SHORT = 0.2  # s: what is shorter beside a flight may be done on all feet
@@ -71,18 +72,19 @@ class Part:
         return bool(tilt(self.motion.base_quat[there]).max() > UPSIDE_DOWN)
 
     def footholds(self) -> Array:
-        """(flights + 1, L, 3) m, file's frame: where the feet stand in each place.
+        """(flights + 1, L, 3) m, file's frame: where the feet stand in each place, as a plan's do.
 
         Balls roll as legs bend: at the ends it is where they stand at rest, else where they land.
         """
         own = self.places
         ends = [self.edges[0], *(self.edges[own.index(k) + 1] for k in range(1, self.flights))]
         ends.append(self.edges[-1] - LOOKED_AT)
-        time, feet = self.motion.time, self.motion.foot_position
+        time, qpos = self.motion.time, self.motion.qpos
         found = []
         for start in ends:
             there = (time >= start - 1e-9) & (time <= start + LOOKED_AT + 1e-9)
-            found.append(np.median(feet[there], axis=0))
+            places, _ = feet_of(self.motion.robot, qpos[there])
+            found.append(np.median(places, axis=0))
         return np.array(found)
 
 

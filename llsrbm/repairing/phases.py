@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -53,6 +53,10 @@ class ContactPhase:
     feet: tuple[str, ...]
     start_s: float
     end_s: float
+
+    def as_dict(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return vars(self) | {"feet": list(self.feet)}
 
 
 def contact_phases(motion: WholeBodyMotion) -> tuple[ContactPhase, ...]:

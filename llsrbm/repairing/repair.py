@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -12,19 +12,18 @@ from llsrbm.errors import InputError
 from llsrbm.formats import load_any
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, whole_body_motion
+from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.repairing.moved import moved
 from llsrbm.repairing.nearest import nearest
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import ContactPhase, contact_phases
 from llsrbm.repairing.request import Request, request_of
-from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair, Rest
+from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair
 
 RATE = 100.0  # frames/s at which plans and rollouts are taken
 # What a motion may move without being called repaired, where no check of it is broken.
 SAME_JOINTS, SAME_BASE, SAME_TIME = 0.02, 0.01, 0.02  # rad, m, s
-MOMENT = 0.25  # s of what is beside a jump, less than which is not looked at
 STRETCHED = 0.05  # of the time that flights take, beyond which it is remarks
 
 
@@ -57,31 +56,61 @@ def repair(
         InputError: a file that cannot be read, a robot or a jump that there is not.
         Cancelled: `cancelled` was true.
     """
-    given = load_any(motion, robot, fps) if isinstance(motion, str | Path) else motion
     watch = Watch(cancelled, progress)
+    given, before = opened(motion, robot, fps, watch)
+    if isinstance(given, Plan) and given.certified:
+        return certified_plan(given, before)
+    states = given if isinstance(given, WholeBodyMotion) else whole_body_motion(given, RATE)
+    try:
+        found = parts(states)
+    except NoJump as error:
+        return Repair(FAILED, before, phases=contact_phases(states), why=sentence(error))
+    if not 1 <= jump <= len(found):
+        raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
+    repaired, _ = repaired_part(found[jump - 1], before, watch)
+    if repaired.status == FAILED or len(found) == 1:
+        return repaired
+    return replace(repaired, why=" ".join(filter(None, [repaired.why, _one_of(found, jump)])))
+
+
+def opened(
+    motion: str | Path | Plan | Rollout | WholeBodyMotion,
+    robot: str,
+    fps: float | None,
+    watch: Watch,
+) -> tuple[Plan | Rollout | WholeBodyMotion, Certificate]:
+    """A motion and its certificate; arguments and errors as of `repair`."""
+    given = load_any(motion, robot, fps) if isinstance(motion, str | Path) else motion
     watch.begin("checking the motion at 1 kHz")
     if isinstance(given, Plan) and given.certified:
         before = stated(given)
         assert before is not None
-        return Repair(UNCHANGED, before, before, _none(given), _phases_of(given), given)
-    before = watch.built(partial(certify, given))
-    states = given if isinstance(given, WholeBodyMotion) else whole_body_motion(given, RATE)
+        return given, before
+    return given, watch.built(partial(certify, given))
+
+
+def certified_plan(plan: Plan, before: Certificate) -> Repair:
+    """A plan whose certificate holds: it stays as it is."""
+    return Repair(UNCHANGED, before, before, _none(plan), _phases_of(plan), plan)
+
+
+def repaired_part(part: Part, before: Certificate, watch: Watch) -> tuple[Repair, Request | None]:
+    """A part of a motion repaired, and its request; None: there is none.
+
+    `before`: of the motion. Raises `Cancelled`.
+    """
     try:
-        found = parts(states)
-        if not 1 <= jump <= len(found):
-            raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
-        request = request_of(found[jump - 1], states.robot)
-        plan = nearest(request, states.robot, watch)
+        request = request_of(part, part.motion.robot)
+        plan = nearest(request, part.motion.robot, watch)
     except NoJump as error:
-        return Repair(FAILED, before, phases=contact_phases(states), why=_sentence(str(error)))
-    return _result(before, request, plan, len(found))
+        return Repair(FAILED, before, phases=part.phases, why=sentence(error)), None
+    return _result(before, request, plan), request
 
 
-def _result(before: Certificate, request: Request, plan: Plan, jumps: int) -> Repair:
+def _result(before: Certificate, request: Request, plan: Plan) -> Repair:
     result = Repair(
         FAILED,
         before,
-        rest=tuple(_rest(request.part)),
         phases=request.phases,
         frame_yaw=request.frame.yaw,
         frame_origin=tuple(request.frame.origin.tolist()),
@@ -97,21 +126,7 @@ def _result(before: Certificate, request: Request, plan: Plan, jumps: int) -> Re
             result, why=f"The nearest motion that was found does not hold its limit of {broken}."
         )
     same = not before.broken and _is_same(by)
-    return replace(
-        result, status=UNCHANGED if same else REPAIRED, why=_remarks(request.part, jumps)
-    )
-
-
-def _rest(part: Part) -> Iterator[Rest]:
-    """The stretches before and after a part that last more than a moment, with certificates."""
-    motion, (start, end) = part.motion, part.edges[[0, -1]]
-    for own in (motion.time <= start, motion.time >= end):
-        time = motion.time[own]
-        if len(time) < 2 or time[-1] - time[0] < MOMENT:
-            continue
-        states = motion.qpos[own], motion.qvel[own]
-        alone = motion_of_states(motion.robot, motion.origin, time - time[0], *states, motion.fps)
-        yield Rest(float(time[0]), float(time[-1]), certify(alone))
+    return replace(result, status=UNCHANGED if same else REPAIRED, why=_remarks(request.part))
 
 
 def _is_same(by: Moved) -> bool:
@@ -131,11 +146,12 @@ def _not_found(plan: Plan) -> str:
     )
 
 
-def _sentence(reason: str) -> str:
-    return f"{reason[0].upper()}{reason[1:]}."
+def sentence(reason: NoJump) -> str:
+    """Why there is no jump, as a sentence."""
+    return f"{str(reason)[0].upper()}{str(reason)[1:]}."
 
 
-def _remarks(part: Part, jumps: int) -> str:
+def _remarks(part: Part) -> str:
     """Sentences on what was taken otherwise than the motion has it."""
     remarks = []
     if part.merged:
@@ -145,12 +161,15 @@ def _remarks(part: Part, jumps: int) -> str:
             f"Its flights take {part.slower:.2f} times as long as gravity lets them: it is played "
             "as fast as they would be."
         )
-    if jumps > 1:
-        remarks.append(
-            f"It has {jumps} jumps apart from each other; repaired is the one from "
-            f"{part.edges[0]:.2f} to {part.edges[-1]:.2f} s."
-        )
     return " ".join(remarks)
+
+
+def _one_of(found: list[Part], jump: int) -> str:
+    start, end = found[jump - 1].edges[[0, -1]]
+    return (
+        f"It has {len(found)} jumps apart from each other; repaired is the one from {start:.2f} to "
+        f"{end:.2f} s."
+    )
 
 
 def _phases_of(plan: Plan) -> tuple[ContactPhase, ...]:

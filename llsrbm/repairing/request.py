@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from llsrbm.arrays import Array
-from llsrbm.mechanics import apply, quaternion_product, quaternions_about_z, turns_about_z, yaw
-from llsrbm.motion.whole_body import pinocchio_states
+from llsrbm.mechanics import apply, rotation_matrices, turns_about_z, yaw
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
+from llsrbm.repairing.feet import feet_of
+from llsrbm.repairing.frame import Frame, frame_between
 from llsrbm.repairing.part import NoJump, Part, merged
 from llsrbm.repairing.phases import ContactPhase
 from llsrbm.request.jump import IN_A_ROW, PLAIN, Jump
@@ -29,27 +29,6 @@ from llsrbm.robots.schema import robot_files
 LEVEL = 0.015  # m: what lands less high or deep lands on the same ground
 ASIDE = 0.02  # m beside where it lands by itself, from which a foot's place is a stone of the jump
 _DIGITS = 4  # of a jump's numbers, m and rad
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """The project's frame in the file's: `yaw` rad about the vertical, then `origin` (3,) m."""
-
-    yaw: float
-    origin: Array
-
-    def points(self, points: Array) -> Array:
-        """Points (..., 3) m of the file, in the project's frame."""
-        return (points - self.origin) @ turns_about_z(self.yaw)
-
-    def attitudes(self, quat: Array) -> Array:
-        """Attitudes (..., 4) of the file, in the project's frame."""
-        back = np.broadcast_to(quaternions_about_z(-self.yaw), quat.shape)
-        return quaternion_product(back, quat)
-
-    def back(self, points: Array) -> Array:
-        """Points (..., 3) m of the project's frame, in the file's."""
-        return points @ turns_about_z(self.yaw).T + self.origin
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,16 +119,8 @@ def _stood(places: Array, robot: Robot) -> tuple[Array, Array]:
 
     The turn and shift that bring its own feet there, but for as little as can be.
     """
-    own = robot.feet[:, :2]
-    middle = own.mean(axis=0)
-    found, headings = [], []
-    for feet in places[..., :2]:
-        there = feet.mean(axis=0)
-        a, b = own - middle, feet - there
-        turn = float(np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum()))
-        headings.append(turn)
-        found.append(there - turns_about_z(turn)[:2, :2] @ middle)
-    return np.array(found), np.array(headings)
+    frames = [frame_between(robot.feet, feet) for feet in places]
+    return np.array([each.origin[:2] for each in frames]), np.array([each.yaw for each in frames])
 
 
 def _whole_turns(part: Part, headings: Array) -> Array:
@@ -206,19 +177,12 @@ def _footholds(robot: Robot, feet: Array, yaws: Array, heading: float, origin: A
 
 def _sole_yaws(part: Part, robot: Robot) -> Array:
     """(places, L) rad, file's frame: where soles look that stand, in the middle of that."""
-    model, data = robot.model, robot.model.createData()
     motion = part.motion
-    q, _ = pinocchio_states(motion.qpos, motion.qvel)
     found = np.empty((part.flights + 1, len(robot.legs)))
     for place in range(len(found)):
         own = [k for k, at in enumerate(part.places) if at == place and part.feet[k]]
-        frames = np.flatnonzero(
-            (motion.time >= part.edges[own[0]]) & (motion.time <= part.edges[own[-1] + 1])
-        )
-        ahead = []
-        for k in frames:
-            pin.framesForwardKinematics(model, data, q[k])
-            ahead.append([data.oMf[leg.foot_frame_id].rotation[:2, 0] for leg in robot.legs])
-        x, y = np.median(ahead, axis=0).T
+        there = (motion.time >= part.edges[own[0]]) & (motion.time <= part.edges[own[-1] + 1])
+        _, quat = feet_of(robot, motion.qpos[there])
+        x, y = np.median(rotation_matrices(quat)[..., :2, 0], axis=0).T
         found[place] = np.arctan2(y, x)
     return found

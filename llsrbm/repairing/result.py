@@ -1,12 +1,14 @@
-"""`Repair`: a motion that was repaired, or why it could not be."""
+"""`Repair`: a jump that was repaired, or why it could not be; `ClipRepair`: all of a clip."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 from llsrbm.certificate import Certificate
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.whole_body import WholeBodyMotion
+from llsrbm.repairing.joining import Join
 from llsrbm.repairing.phases import ContactPhase
 
 UNCHANGED, REPAIRED, FAILED = "unchanged", "repaired", "failed"
@@ -28,14 +30,6 @@ class Moved:
     durations_s: tuple[float, ...]
 
 
-class Rest(NamedTuple):
-    """A stretch of a motion beside the jump that was repaired: from when to when, s, as it is."""
-
-    start_s: float
-    end_s: float
-    certificate: Certificate
-
-
 @dataclass(frozen=True, eq=False)
 class Repair:
     """A motion and the nearest one whose certificate holds.
@@ -49,7 +43,6 @@ class Repair:
         plan: that satisfies the whole body's equations, in the project's frame: its origin is under
             the robot as it stands at the start, x where it looks; None: none was found.
         frame_yaw, frame_origin: the project's frame in the file's, rad and m.
-        rest: what of the motion is before and after that jump, and was not repaired.
         why: one sentence on what could not be repaired, or on what else there is to know; "".
     """
 
@@ -61,7 +54,6 @@ class Repair:
     plan: Plan | None = field(default=None, repr=False)
     frame_yaw: float = 0.0
     frame_origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rest: tuple[Rest, ...] = ()
     why: str = ""
 
     def as_dict(self) -> dict[str, Any]:
@@ -73,16 +65,52 @@ class Repair:
             "moved": None
             if self.moved is None
             else vars(self.moved) | {"durations_s": list(self.moved.durations_s)},
-            "phases": [vars(phase) | {"feet": list(phase.feet)} for phase in self.phases],
+            "phases": [phase.as_dict() for phase in self.phases],
             "frame": {"yaw": self.frame_yaw, "origin": list(self.frame_origin)},
-            "rest": [
-                {
-                    "start_s": each.start_s,
-                    "end_s": each.end_s,
-                    "holds": each.certificate.holds,
-                    "certificate": each.certificate.as_dict(),
-                }
-                for each in self.rest
-            ],
+            "why": self.why,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class ClipRepair:
+    """A whole clip with each of its jumps repaired and joined with the frames beside it.
+
+    Attributes:
+        status: "unchanged": as all of its jumps are; "repaired"; "failed": as one of them is at
+            least, or there is none.
+        before, after: certificates of the clip and of the one that was made of it; None: there is
+            none.
+        motion: the clip that was made, at the rate of the one before and in its frame; None: no
+            jump of it could be repaired.
+        jumps: each in order, with `before` of the whole clip.
+        plans: start and end, s of the new clip's time, of each jump that is its plan there.
+        joins: where the clip's own frames lead over to a plan or back, s of the new clip's time.
+        phases: the contact phases of the whole clip before.
+        why: a sentence for each jump that stays as it is, or on what else there is to know; "".
+    """
+
+    status: str
+    before: Certificate
+    after: Certificate | None = None
+    motion: WholeBodyMotion | None = field(default=None, repr=False)
+    jumps: tuple[Repair, ...] = ()
+    plans: tuple[tuple[float, float], ...] = ()
+    joins: tuple[Join, ...] = ()
+    phases: tuple[ContactPhase, ...] = ()
+    why: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The object that `llsrbm repair --clip --json` prints, but for the file's name."""
+        jumps = [each.as_dict() for each in self.jumps]
+        for each in jumps:
+            del each["before"]
+        return {
+            "status": self.status,
+            "before": self.before.as_dict(),
+            "after": None if self.after is None else self.after.as_dict(),
+            "jumps": jumps,
+            "plans": [{"start_s": start, "end_s": end} for start, end in self.plans],
+            "joins": [each._asdict() for each in self.joins],
+            "phases": [phase.as_dict() for phase in self.phases],
             "why": self.why,
         }

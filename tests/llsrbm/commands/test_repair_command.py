@@ -2,13 +2,16 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import llsrbm
 from llsrbm import cli
 from llsrbm.certificate import stated
+from llsrbm.motion.whole_body import whole_body_motion
+from llsrbm.repairing.joining import Join
 from llsrbm.repairing.phases import ContactPhase
-from llsrbm.repairing.result import Moved, Repair
+from llsrbm.repairing.result import ClipRepair, Moved, Repair
 from tests.llsrbm.player.stages import stored_plan
 
 MOVED = Moved(0.0123, 0.004, 0.002, (0.01, -0.02, 0.03))
@@ -92,6 +95,74 @@ def test_what_cannot_be_repaired_has_exit_status_1_and_a_line(answered, file, ca
     assert found["why"] == "No foot leaves the ground."
     assert f"llsrbm: {file}: No foot leaves the ground.\n" in err
     assert not out.exists()
+
+
+@pytest.fixture
+def clipped(monkeypatch):
+    """`llsrbm.repair_clip` that gives the repair put into the list."""
+    answers = []
+
+    def repair_clip(motion, *, progress):
+        print("a banner of a solver")
+        return answers[0]
+
+    monkeypatch.setattr(llsrbm, "repair_clip", repair_clip)
+    return answers
+
+
+def whole(status="repaired", why=""):
+    held = stated(stored_plan())
+    motion = whole_body_motion(stored_plan(), 50.0)
+    joins = (Join(0.1, 0.4, 0.0012), Join(2.0, 2.3, 0.0034))
+    jumps = (repaired(), Repair("failed", held, phases=PHASES, why="No way was found."))
+    return ClipRepair(status, held, held, motion, jumps, ((0.4, 2.0),), joins, PHASES, why)
+
+
+def test_a_whole_clip_is_written(clipped, file, tmp_path, capfd):
+    clipped.append(whole())
+    out = tmp_path / "clip.csv"
+    words = ["repair", str(file), "--robot", "go2", "--clip", str(out), "--format", "unitree-csv"]
+    assert cli.main([*words, "--json"]) == 0
+    found = json.loads(capfd.readouterr().out)
+    assert [jump["status"] for jump in found["jumps"]] == ["repaired", "failed"]
+    assert found["plans"] == [{"start_s": 0.4, "end_s": 2.0}]
+    assert found["joins"][1] == {"start_s": 2.0, "end_s": 2.3, "feet_m": 0.0034}
+    assert found["after"].keys() == found["before"].keys()
+    again = llsrbm.load_motion(out, robot="go2")
+    np.testing.assert_allclose(again.qpos, whole().motion.qpos, atol=1e-8)
+
+
+def test_a_clip_has_lines_for_people(clipped, file, tmp_path, capsys):
+    clipped.append(whole())
+    assert cli.main(["repair", str(file), "--robot", "go2", "--clip", str(tmp_path / "c.npz")]) == 0
+    out = capsys.readouterr().out
+    assert "Jump 1  0.00 to 1.80 s: repaired, joints 0.012 rad (rms), base 0.4 cm (rms)" in out
+    assert "Jump 2  0.00 to 1.80 s: failed\n" in out
+    assert "Joins   2, in which standing feet move 3.4 mm at most\n" in out
+
+
+def test_a_clip_with_a_jump_that_stays_is_written_with_exit_status_1(
+    clipped, file, tmp_path, capsys
+):
+    clipped.append(whole("failed", "The jump from 0.00 to 1.80 s stays as it is: no way."))
+    out = tmp_path / "c.npz"
+    assert cli.main(["repair", str(file), "--robot", "go2", "--clip", str(out)]) == 1
+    assert f"llsrbm: {file}: The jump from 0.00 to 1.80 s stays" in capsys.readouterr().err
+    assert out.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["--clip", "c.npz", "--jump", "2"], "--clip and --jump: expected one of them"),
+        (["--clip", "c.npz", "--out", "p.npz"], "--clip and --out: expected one of them"),
+        (["--format", "gmr-pkl"], "--format: is that of a whole clip; expected --clip OUT"),
+        (["--clip", "c.npz", "--format", "npz"], 'format "npz" is of plans and simulations'),
+        (["--clip", "c.npz", "--format", "nzp"], "nzp"),
+    ],
+)
+def test_options_that_do_not_go_together_are_bad_input(refused, file, words, line):
+    assert line in refused("repair", str(file), "--robot", "go2", *words)
 
 
 def test_a_file_that_is_none_is_bad_input(refused, tmp_path):

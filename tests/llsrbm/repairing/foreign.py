@@ -5,6 +5,7 @@ from functools import cache
 
 import numpy as np
 
+from llsrbm.body.postures import solve_postures
 from llsrbm.mechanics import quaternion_product, quaternions_about_z, turns_about_z
 from llsrbm.motion.whole_body import (
     WholeBodyMotion,
@@ -60,12 +61,50 @@ def _height(time, start, end, rise):
 
 def twice(still: float, fps: float = 50.0) -> WholeBodyMotion:
     """The jump, `still` s of standing, and the jump again from where it ended."""
-    plan, one = stored_plan(), jump(fps)
-    first, waits = one.qpos, np.repeat(one.qpos[-1:], round(still * fps), axis=0)
-    again = first[1:].copy()
-    shift = [plan.jump.forward, plan.jump.lateral, plan.jump.height]
-    again[:, :3] = again[:, :3] @ turns_about_z(plan.jump.twist).T + shift
-    turn = np.broadcast_to(quaternions_about_z(plan.jump.twist), (len(again), 4))
-    again[:, 3:7] = quaternion_product(turn, again[:, 3:7])
-    qpos = np.concatenate([first, waits, again])
+    first = jump(fps).qpos
+    waits = np.repeat(first[-1:], round(still * fps), axis=0)
+    qpos = np.concatenate([first, waits, moved_on(first)[1:]])
     return of_states(np.arange(len(qpos)) / fps, qpos)
+
+
+def moved_on(qpos: np.ndarray) -> np.ndarray:
+    """The states of the jump, from where it ended."""
+    jump, again = stored_plan().jump, qpos.copy()
+    shift = [jump.forward, jump.lateral, jump.height]
+    again[:, :3] = again[:, :3] @ turns_about_z(jump.twist).T + shift
+    turn = np.broadcast_to(quaternions_about_z(jump.twist), (len(again), 4))
+    again[:, 3:7] = quaternion_product(turn, again[:, 3:7])
+    return again
+
+
+@cache
+def clip(fps: float = 50.0) -> WholeBodyMotion:
+    """Two of these jumps whose joints are a little off in each frame, somewhere in the world.
+
+    The robot stands and crouches before, between and after them.
+    """
+    one = jump(fps).qpos
+    off = np.random.default_rng(7).normal(scale=0.008, size=(2, len(one), 12))
+    rough = [np.hstack([one[:, :7], one[:, 7:] + each]) for each in off]
+    again = moved_on(one)
+    rows = [
+        *(_crouching(one[0], fps), rough[0], _crouching(one[-1], fps)),
+        *(moved_on(rough[1]), _crouching(again[-1], fps)),
+    ]
+    qpos = np.concatenate(rows)
+    qpos[:, :3] = qpos[:, :3] @ turns_about_z(2.0).T + [3.0, -1.0, -0.02]
+    turn = np.broadcast_to(quaternions_about_z(2.0), (len(qpos), 4))
+    qpos[:, 3:7] = quaternion_product(turn, qpos[:, 3:7])
+    return replace(of_states(np.arange(len(qpos)) / fps, qpos), fps=fps)
+
+
+def _crouching(pose: np.ndarray, fps: float) -> np.ndarray:
+    """A posture at rest for a second, then 4 cm lower and back within another, and at rest."""
+    still = np.repeat(pose[None], round(fps), axis=0)
+    lower = 0.02 * (1 - np.cos(2 * np.pi * np.arange(1, round(fps)) / round(fps)))
+    com = of_states(np.arange(2.0), still[:2]).com[0] - lower[:, None] * [0.0, 0.0, 1.0]
+    quat, near = (np.repeat(values[None], len(com), axis=0) for values in (pose[3:7], pose[7:]))
+    feet = np.repeat(of_states(np.arange(2.0), still[:2]).foot_position[:1], len(com), axis=0)
+    found = solve_postures(GO2, com, quat, feet, near=near)
+    low = np.hstack([found.base_position, quat, found.joint_position])
+    return np.concatenate([still, low, still])
