@@ -26,6 +26,10 @@ def repair_command(
     jump: Annotated[
         int, typer.Option(metavar="N", help="Which of several jumps that are apart.")
     ] = 1,
+    phases: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Contact phases in place of those found, JSON."),
+    ] = None,
     out: options.Out = None,
     clip: Annotated[
         Path | None,
@@ -63,12 +67,12 @@ def repair_command(
         console.print_remarks(remarks)
         found: Repair | ClipRepair
         if clip is None:
-            found = llsrbm.repair(motion, jump=jump, progress=console.show_planning)
+            found = llsrbm.repair(motion, jump=jump, phases=phases, progress=console.show_planning)
             if out is not None and found.plan is not None:
                 llsrbm.with_feedback(found.plan).save(out)
             rows = _description(found)
         else:
-            found = llsrbm.repair_clip(motion, progress=console.show_planning)
+            found = llsrbm.repair_clip(motion, phases=phases, progress=console.show_planning)
             if found.motion is not None:
                 llsrbm.export(found.motion, clip, format=format_)
             rows = _clip_description(found)

@@ -13,6 +13,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.repairing.given_phases import Given, given_phases
 from llsrbm.repairing.joining import joined
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import contact_phases
@@ -26,6 +27,7 @@ def repair_clip(
     robot: str = "anymal",
     *,
     fps: float | None = None,
+    phases: Given | None = None,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> ClipRepair:
@@ -42,6 +44,8 @@ def repair_clip(
         robot: that moves in another tool's file: its name or its file.
         fps: frames/s of a file that does not say; of a plan or a rollout at which the clip is made
             (None: 100).
+        phases: contact phases of the clip, or of a stretch of it, in place of those found: a JSON
+            file, or a sequence as of `ClipRepair.phases`.
         cancelled: polled; true: `Cancelled`; progress: told of each step.
 
     Returns:
@@ -49,7 +53,7 @@ def repair_clip(
 
     Raises:
         InputError: a file that cannot be read, a robot that there is not, frames that are not
-            evenly spaced.
+            evenly spaced, phases that cannot be the clip's.
         Cancelled: `cancelled` was true.
     """
     watch = Watch(cancelled, progress)
@@ -59,16 +63,16 @@ def repair_clip(
         raise InputError(
             "the clip's frames are not evenly spaced; expected one rate from its start to its end"
         )
-    phases = contact_phases(clip)
-    if isinstance(given, Plan) and given.certified:
+    own = contact_phases(clip) if phases is None else given_phases(phases, clip)
+    if isinstance(given, Plan) and given.certified and phases is None:
         alone = (certified_plan(given, before),)
-        return ClipRepair(UNCHANGED, before, before, clip, alone, phases=phases)
+        return ClipRepair(UNCHANGED, before, before, clip, alone, phases=own)
     try:
-        found = parts(clip)
+        found = parts(clip, own)
     except NoJump as error:
-        return ClipRepair(FAILED, before, phases=phases, why=sentence(error))
+        return ClipRepair(FAILED, before, phases=own, why=sentence(error))
     jumps = [repaired_part(part, before, watch) for part in found]
-    return _joined(clip, before, found, jumps, watch)
+    return replace(_joined(clip, before, found, jumps, watch), phases=own)
 
 
 def _joined(
@@ -84,7 +88,6 @@ def _joined(
         status=next(one for one in (FAILED, REPAIRED, UNCHANGED) if one in statuses),
         before=before,
         jumps=jumps,
-        phases=contact_phases(clip),
         why=" ".join(_remark(*each) for each in zip(found, jumps, strict=True) if each[1].why),
     )
     plans = [

@@ -12,7 +12,7 @@ from llsrbm.errors import Error
 from llsrbm.mechanics import GRAVITY, tilt
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.repairing.feet import feet_of
-from llsrbm.repairing.phases import ContactPhase, contact_phases
+from llsrbm.repairing.phases import ContactPhase
 
 SHORT = 0.2  # s: what is shorter beside a flight may be done on all feet
 LOOKED_AT = 0.15  # s for which feet are looked at where they stand
@@ -88,13 +88,14 @@ class Part:
         return np.array(found)
 
 
-def parts(motion: WholeBodyMotion) -> list[Part]:
+def parts(motion: WholeBodyMotion, phases: tuple[ContactPhase, ...]) -> list[Part]:
     """The jumps of a motion, in order, those that follow each other at once together.
+
+    `phases`: its contact phases, or those of a stretch of it.
 
     Raises:
         NoJump: there is none that begins and ends on all feet.
     """
-    phases = contact_phases(motion)
     legs = len(motion.robot.legs)
     stood = [k for k, phase in enumerate(phases) if len(phase.feet) == legs]
     if not any(not phase.feet for phase in phases):

@@ -71,7 +71,7 @@ def contact_phases(motion: WholeBodyMotion) -> tuple[ContactPhase, ...]:
     start, found = float(time[0]), []
     for at, changed in (*_changes(stood, time), (float(time[-1]), ())):
         feet = tuple(name for name, stands in zip(names, on, strict=True) if stands)
-        found.append(ContactPhase(_name(feet, len(names)), feet, start, at))
+        found.append(ContactPhase(phase_name(feet, len(names)), feet, start, at))
         on[list(changed)] ^= True
         start = at
     return tuple(_with_falls(list(_joined(found)), motion))
@@ -153,7 +153,8 @@ def _at_once(events: list[tuple[float, bool, int]]) -> tuple[float, tuple[int, .
     return at, tuple(foot for *_, foot in events)
 
 
-def _name(feet: tuple[str, ...], legs: int) -> str:
+def phase_name(feet: tuple[str, ...], legs: int) -> str:
+    """The name of a phase in which so many `legs`' feet stand, by which they are."""
     if not feet:
         return "flight"
     return "all feet stand" if len(feet) == legs else f"{', '.join(feet)} stand"

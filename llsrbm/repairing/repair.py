@@ -14,6 +14,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.repairing.given_phases import Given, given_phases
 from llsrbm.repairing.moved import moved
 from llsrbm.repairing.nearest import nearest
 from llsrbm.repairing.part import NoJump, Part, parts
@@ -33,6 +34,7 @@ def repair(
     *,
     fps: float | None = None,
     jump: int = 1,
+    phases: Given | None = None,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Repair:
@@ -46,6 +48,8 @@ def repair(
         robot: that moves in another tool's file: its name or its file.
         fps: frames/s of a file that does not say.
         jump: which one, of several that are apart from each other.
+        phases: contact phases of the motion, or of a stretch of it, in place of those found: a JSON
+            file, or a sequence as of `Repair.phases`.
         cancelled: polled; true: `Cancelled`; progress: told of each step.
 
     Returns:
@@ -53,18 +57,20 @@ def repair(
         why.
 
     Raises:
-        InputError: a file that cannot be read, a robot or a jump that there is not.
+        InputError: a file that cannot be read, a robot or a jump that there is not, phases that
+            cannot be the motion's.
         Cancelled: `cancelled` was true.
     """
     watch = Watch(cancelled, progress)
     given, before = opened(motion, robot, fps, watch)
-    if isinstance(given, Plan) and given.certified:
+    if isinstance(given, Plan) and given.certified and phases is None:
         return certified_plan(given, before)
     states = given if isinstance(given, WholeBodyMotion) else whole_body_motion(given, RATE)
+    own = contact_phases(states) if phases is None else given_phases(phases, states)
     try:
-        found = parts(states)
+        found = parts(states, own)
     except NoJump as error:
-        return Repair(FAILED, before, phases=contact_phases(states), why=sentence(error))
+        return Repair(FAILED, before, phases=own, why=sentence(error))
     if not 1 <= jump <= len(found):
         raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
     repaired, _ = repaired_part(found[jump - 1], before, watch)

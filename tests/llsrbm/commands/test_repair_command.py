@@ -35,8 +35,8 @@ def answered(monkeypatch):
     """`llsrbm.repair` that gives the repair put into the list, and remembers what it was asked."""
     answers, asked = [], []
 
-    def repair(motion, *, jump, progress):
-        asked.append((motion, jump))
+    def repair(motion, *, jump, phases, progress):
+        asked.append((motion, jump, phases))
         print("a banner of a solver")
         return answers[0]
 
@@ -61,8 +61,8 @@ def test_json_is_one_object(answered, file, capfd):
     assert found["phases"][1] == {"name": "flight", "feet": [], "start_s": 0.7, "end_s": 1.05}
     assert found["before"]["slip"]["holds"] is True
     assert found["after"].keys() == found["before"].keys()
-    ((motion, jump),) = answered.asked
-    assert (motion.robot.name, jump) == ("go2", 1)
+    ((motion, jump, phases),) = answered.asked
+    assert (motion.robot.name, jump, phases) == ("go2", 1, None)
 
 
 def test_lines_are_for_people(answered, file, capsys):
@@ -97,12 +97,26 @@ def test_what_cannot_be_repaired_has_exit_status_1_and_a_line(answered, file, ca
     assert not out.exists()
 
 
+def test_phases_are_handed_on(answered, file, tmp_path):
+    answered.answers.append(repaired())
+    given = tmp_path / "phases.json"
+    assert cli.main(["repair", str(file), "--robot", "go2", "--phases", str(given)]) == 0
+    assert answered.asked[0][2] == given
+
+
+def test_wrong_phases_are_bad_input(refused, file, tmp_path):
+    given = tmp_path / "phases.json"
+    given.write_text('[{"name": "", "feet": ["LF"], "start_s": 0.0, "end_s": 0.7}]', "utf-8")
+    line = refused("repair", str(file), "--robot", "go2", "--phases", str(given))
+    assert f'{given}: phase 1: no foot "LF"; expected FL, FR, RL, RR, or none in a flight' in line
+
+
 @pytest.fixture
 def clipped(monkeypatch):
     """`llsrbm.repair_clip` that gives the repair put into the list."""
     answers = []
 
-    def repair_clip(motion, *, progress):
+    def repair_clip(motion, *, phases, progress):
         print("a banner of a solver")
         return answers[0]
 

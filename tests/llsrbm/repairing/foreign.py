@@ -13,6 +13,8 @@ from llsrbm.motion.whole_body import (
     velocities,
     whole_body_motion,
 )
+from llsrbm.repairing.part import Part, parts
+from llsrbm.repairing.phases import contact_phases
 from llsrbm.robots import load_robot
 from tests.llsrbm.player.stages import stored_plan
 
@@ -24,6 +26,11 @@ def jump(fps: float = 50.0) -> WholeBodyMotion:
     """Go2's quarter turn that comes with the project, as others would have it: states alone."""
     motion = whole_body_motion(stored_plan(), fps)
     return of_states(motion.time, motion.qpos)
+
+
+def jumps(motion: WholeBodyMotion) -> list[Part]:
+    """Those that are found in a motion."""
+    return parts(motion, contact_phases(motion))
 
 
 def of_states(time: np.ndarray, qpos: np.ndarray) -> WholeBodyMotion:

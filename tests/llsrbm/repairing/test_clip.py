@@ -12,12 +12,11 @@ import llsrbm
 from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.repairing import clip as clip_module
 from llsrbm.repairing.joining import joined
-from llsrbm.repairing.part import parts
 from llsrbm.repairing.repair import repaired_part
 from llsrbm.repairing.request import request_of
 from llsrbm.repairing.result import Repair
 from tests.llsrbm.player.stages import stored_plan
-from tests.llsrbm.repairing.foreign import GO2, clip, jump, of_states
+from tests.llsrbm.repairing.foreign import GO2, clip, jump, jumps, of_states
 
 FPS = 50.0
 SLID = 0.004  # m
@@ -151,7 +150,7 @@ def test_what_is_too_short_for_a_join_is_one_move():
 
 
 def test_plans_with_hardly_anything_in_between_are_joined_by_one_move():
-    first, second = parts(clip())
+    first, second = jumps(clip())
     *others, last = first.phases
     first = replace(first, phases=(*others, replace(last, end_s=second.edges[0] - 0.1)))
     plans = [each.plan for each in repaired().jumps]
