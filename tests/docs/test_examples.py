@@ -49,6 +49,8 @@ def test_python_runs(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     if name_of(page) == "docs/cluster.md":
         small_sweep()
+    if name_of(page) == "docs/learning.md":
+        data_set()
     namespace = {"__name__": "example"}
     for block in blocks(page):
         if block.language != "python":
@@ -56,6 +58,16 @@ def test_python_runs(page, tmp_path, monkeypatch):
         code = compile(block.text, f"{name_of(page)}:{block.line}", "exec")
         if not block.note.startswith("not run: "):
             exec(code, namespace)
+
+
+def data_set():
+    """The LeRobot data set that a page's example reads, by its own spec and commands; of drafts."""
+    (spec,) = toml_of("learning.md")
+    Path("small.toml").write_text(f"draft = true\n{spec}")
+    for block in blocks(ROOT / "docs" / "learning.md"):
+        for program, *words in command_lines(block.text) if block.language == "" else ():
+            if program == "llsrbm" and words[0] in ("sweep", "dataset"):
+                assert main(words) == 0
 
 
 def small_sweep():
