@@ -49,13 +49,7 @@ def repair_command(
     stand. With --clip all of its jumps are repaired and joined with what is beside them. The exit
     status is 1 where a jump could not be repaired; one line says why.
     """
-    beside = [name for name in ("jump", "out") if options.is_given(context, name)]
-    if clip is not None and beside:
-        raise InputError(
-            f"--clip and --{beside[0]}: expected one of them; a clip has all its jumps"
-        )
-    if clip is None and options.is_given(context, "format_"):
-        raise InputError("--format: is that of a whole clip; expected --clip OUT with it")
+    _check_words(context, clip is not None)
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.formats import check_motion_format, load_any, remarks_of
@@ -81,6 +75,17 @@ def repair_command(
         if found.status == "failed":
             console.print_error(f"{file}: {found.why}")
     return console.FAILED if found.status == "failed" else console.DONE
+
+
+def _check_words(context: typer.Context, of_clip: bool) -> None:
+    """Raise `InputError` where options of one jump and of a whole clip are given together."""
+    beside = [name for name in ("jump", "out") if options.is_given(context, name)]
+    if of_clip and beside:
+        raise InputError(
+            f"--clip and --{beside[0]}: expected one of them; a clip has all its jumps"
+        )
+    if not of_clip and options.is_given(context, "format_"):
+        raise InputError("--format: is that of a whole clip; expected --clip OUT with it")
 
 
 def _clip_description(found: ClipRepair) -> dict[str, str]:

@@ -81,6 +81,7 @@ class CentroidalModel(ABC):
     Attributes:
         is_true: whether plans are held to what the whole body makes of them; else the model is
             there for comparison.
+        swinging_turns_base: whether legs that swing have an angular momentum of their own.
         mass: of the whole robot, kg.
         leg_mass: (L,) kg; base_mass: kg.
         hips: (L, 3) m, base frame; mirrors: (L, 3) of +-1.
@@ -96,6 +97,7 @@ class CentroidalModel(ABC):
     name: ClassVar[str]  # as in `llsrbm.models.MODELS`
     summary: ClassVar[str]  # one line for lists
     is_true: ClassVar[bool] = False
+    swinging_turns_base: ClassVar[bool] = False
     moves_arms: ClassVar[bool] = False
 
     def __init__(

@@ -34,6 +34,7 @@ class LLSRBMPlus(CentroidalModel):
 
     name = "llsrbm-plus"
     is_true = True
+    swinging_turns_base = True
     moves_arms = True
     summary = "quadratic leg CoM, changing leg inertia and the legs' own momentum, from the URDF"
 

@@ -21,7 +21,7 @@ class Stage(StageFeet):
     @cached_property
     def balance(self) -> Any:
         """(I omega + h + correction - R^T L) / m over an interval, (3, 1), BALANCE_SCALE m2/s."""
-        x, xdot, o, _ = self.feet_mid
+        x, xdot, o = self.feet_of_balance
         moving = x, xdot, self.rotation_rate, o, self.lift, self.arms_mid
         momentum = self.model.angular_momentum(*moving)
         momentum = momentum / self.model.mass + self.correction

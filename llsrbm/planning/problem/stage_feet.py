@@ -114,6 +114,25 @@ class StageFeet(StageBody):
         return self._moving(*body, self.dt / 2, self.arms_mid)
 
     @cached_property
+    def feet_of_balance(self) -> tuple[Any, Any, Any]:
+        """x (d, L), xdot (d, L) and o (3, 1) of which the momentum balance is.
+
+        They are those of the midpoint. Where feet leave or land, rows that have them at rest in
+        the world follow from omega, thus from the balance. If legs have no momentum of their own,
+        the balance depends on what swings them by 1e-5 alone, through where they get to, and
+        Fatrop takes that for a pivot: there it is of feet that go on as fast as they were.
+        """
+        x, xdot, o, _ = self.feet_mid
+        if self.model.swinging_turns_base or not self.edge_legs:
+            return x, xdot, o
+        in_air = {
+            leg: self.lift(self.feet_in_hip[:, leg] + self.feet_velocity[leg] * self.dt / 2)
+            for leg in self.role.swinging
+        }
+        x, o, _ = self._placed(self.R_world_base_mid, self.position_mid, in_air, self.arms_mid)
+        return x, xdot, o
+
+    @cached_property
     def feet_at_begin(self) -> tuple[Any, Any]:
         """x and xdot, (d, L), as the interval begins; a foot that lands here stands already."""
         R = self.R_world_base
