@@ -56,9 +56,15 @@ class JointMargins:
 
 
 def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
-    """Position and speed margins of every joint over the plan, speeds by Jacobians."""
+    """Position and speed margins of every joint over the plan.
+
+    Speeds of a draft follow from its feet's by Jacobians; those of a whole body's plan are its own.
+    """
     dt = np.diff(plan.time)[:, None]
     times = (plan.time[:-1, None] + _SHARES * dt).ravel()
+    if plan.refined:
+        motion = resample(plan, times)
+        return margins(robot, times, motion.joint_position, motion.joint_velocity)
     step = np.repeat(_STEP * dt, len(_SHARES))
     before, motion, after = (resample(plan, times + sign * step) for sign in (-1, 0, 1))
     foot_velocity = (after.foot_position - before.foot_position) / (2 * step[:, None, None])

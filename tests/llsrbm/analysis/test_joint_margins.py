@@ -5,6 +5,8 @@ import pytest
 
 from llsrbm.analysis.joint_margins import joint_margins, margins
 from llsrbm.body.postures import solve_postures
+from llsrbm.certificate import stated
+from llsrbm.library import shipped
 from llsrbm.motion.sampling import resample
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
@@ -35,6 +37,17 @@ def test_peak_speeds_are_those_of_inverse_kinematics(plan, robot):
     got = [m.peak_speed for m in margins.joints]
     # 0.2 rad/s: the Jacobians are taken at the interpolated posture, a few mm from the solved one.
     np.testing.assert_allclose(got, peaks, rtol=0.03, atol=0.2)
+
+
+@pytest.mark.parametrize("kind", ["rear-last", "together", "route"])
+def test_the_peak_of_a_whole_bodys_plan_is_that_of_its_certificate(kind):
+    """By the checker, which samples the motion at 1 kHz; feet's places jump by millimetres."""
+    name = next(card.name for card in shipped().cards if card.kind == kind)
+    plan = shipped().open(name)
+    finding = stated(plan)["joint_speed"]
+    found = joint_margins(plan, load_robot(plan.jump.robot)).joints
+    shares = [m.peak_speed / (m.peak_speed + m.speed_margin) for m in found]
+    assert max(shares) == pytest.approx(finding.worst, rel=0.03)
 
 
 def test_margins_name_the_joint_and_the_time():
