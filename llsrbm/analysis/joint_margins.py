@@ -63,8 +63,9 @@ def joint_margins(plan: Plan, robot: Robot) -> JointMargins:
     dt = np.diff(plan.time)[:, None]
     times = (plan.time[:-1, None] + _SHARES * dt).ravel()
     if plan.refined:
-        motion = resample(plan, times)
-        return margins(robot, times, motion.joint_position, motion.joint_velocity)
+        own = resample(plan, times)
+        assert own.joint_velocity is not None  # files of such plans without it are refused
+        return margins(robot, times, own.joint_position, own.joint_velocity)
     step = np.repeat(_STEP * dt, len(_SHARES))
     before, motion, after = (resample(plan, times + sign * step) for sign in (-1, 0, 1))
     foot_velocity = (after.foot_position - before.foot_position) / (2 * step[:, None, None])
