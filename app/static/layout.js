@@ -55,6 +55,7 @@
 
   llsrbm.layout = {
     over, soon, watch,
+    get pending() { return later !== 0; }, // something changed that the scripts have not looked at
     onChange: (listener) => changed.push(listener), // elements were made anew, or taken away
     onMove: (listener) => moved.push(listener), // the picture, or what is watched, has another size
   };

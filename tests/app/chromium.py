@@ -213,6 +213,9 @@ def paused_at(page, instant):
 def settled(page):
     """Wait until scripts have looked at a new layout, and nothing folds or fades any more."""
     page.wait_for_timeout(300)
+    # A busy machine draws the new layout later than that; the scripts look 0.2 s after it.
+    page.evaluate("new Promise((done) => requestIdleCallback(done, { timeout: 5000 }))")
+    page.wait_for_function("!llsrbm.layout.pending")
     page.wait_for_function(
         "document.getAnimations().every((each) => each.playState !== 'running'"
         " || each.effect.getComputedTiming().endTime === Infinity)"
