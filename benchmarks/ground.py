@@ -4,8 +4,9 @@
     python -m benchmarks.ground --kinds routes --robots go2,anymal --requests 20 --seed 41
 
 Slopes: +-20 degrees of pitch and +-15 of roll under the take-off or the landing. Stones: each foot
-lands up to 10 cm aside and 10 cm above its place. Stairs: steps of 25 cm by 12 cm, one or two up or
-down. Routes: three to five landings of 10 to 35 cm, +-15 cm in height, +-60 degrees in all of turn.
+lands up to 10 cm aside and 10 cm above its place. Stairs: steps of 25 cm by 12 cm, up or down, the
+first edge 3 to 20 cm before the front feet; a jump of 15 to 45 cm, each foot on the step that it
+comes to, 5 cm off the edges. Routes: three to five landings of 10 to 35 cm, +-15 cm in height, +-60 degrees in all of turn.
 Other components are uniform over half of the file's ranges; what is drawn beyond the file's ranges
 is drawn again. Requests and disturbances follow from the seed alone.
 """
@@ -31,6 +32,9 @@ from llsrbm.robots.robot import Robot
 HALF = 0.5  # of the file's ranges
 SIMULATION_SEEDS = 10_000
 STEP, RISE = 0.25, 0.12  # m
+STAIRS_FORWARD = (0.15, 0.45)  # m
+FIRST_EDGE = (0.03, 0.2)  # m, before the front hips
+OFF_EDGES = 0.05  # m
 
 
 def _moves(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
@@ -58,10 +62,23 @@ def stones(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
     return _moves(rng, robot) | {"stones": places}
 
 
-def stairs(rng: np.random.Generator, _robot: Robot) -> dict[str, Any]:
-    """One step or two, up or down."""
-    count, up = int(rng.integers(1, 3)), 1 if rng.random() < HALF else -1
-    return {"forward": count * STEP, "height": up * count * RISE}
+def stairs(rng: np.random.Generator, robot: Robot) -> dict[str, Any]:
+    """A flight of stairs ahead, up or down: every foot lands on the step that it comes to."""
+    up = 1 if rng.random() < HALF else -1
+    forward = float(rng.uniform(*STAIRS_FORWARD))
+    feet = dict(zip(robot.leg_names, robot.hips[:, 0].tolist(), strict=True))
+    edge = max(feet.values()) + float(rng.uniform(*FIRST_EDGE))
+    landing = {}
+    for leg, foot in feet.items():
+        count = max(0, math.ceil((foot + forward - edge) / STEP))
+        place = foot + forward
+        if count:
+            tread = edge + (count - 1) * STEP
+            place = float(np.clip(place, tread + OFF_EDGES, tread + STEP - OFF_EDGES))
+        landing[leg] = (place - foot - forward, up * count * RISE)
+    lowest = min(height for _, height in landing.values())
+    stones = {leg: [dx, 0.0, height - lowest] for leg, (dx, height) in landing.items()}
+    return {"forward": forward, "height": lowest, "stones": stones}
 
 
 def routes(rng: np.random.Generator, _robot: Robot) -> dict[str, Any]:
