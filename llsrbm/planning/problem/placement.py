@@ -14,7 +14,7 @@ from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
 from llsrbm.planning.problem.passing import obstacle_of, passing
-from llsrbm.planning.problem.stones import check_stones, offsets
+from llsrbm.planning.problem.stones import body_over, check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement, JumpType, load_type
@@ -149,18 +149,17 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
     half = end.heading / 2
     quat = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
     start_quat = np.array([1.0, 0.0, 0.0, 0.0])
-    if robot.file.foot.is_point:  # on soles a body stands upright
-        start_quat, quat = (
-            quaternion_product(leaning(place.tilt[0]), q)
-            for place, q in ((places[0], start_quat), (end, quat))
-        )
+    start_quat, quat = (
+        quaternion_product(leaning(place.lean), q)
+        for place, q in ((places[0], start_quat), (end, quat))
+    )
     task = Task(
         jump=jump,
         schedule=schedule,
         mass=float(robot.mass),
         places=places,
         start_position=np.array(robot.com),
-        goal_position=Rz @ robot.com + end.origin,
+        goal_position=Rz @ robot.com + end.origin + [0.0, 0.0, end.rise],
         start_quat=start_quat,
         goal_quat=-quat if turns % 2 else quat,
         start_velocity=np.array([jump.speed, 0.0, 0.0]),
@@ -239,6 +238,9 @@ def _places(
         tilt = gradient(*slopes[k + 1], heading)
         yaw = start.yaw + heading * turning
         places.append(_footholds(robot, feet, yaw, heading, shift, tilt))
+    rise, by_feet = body_over(jump.stones, robot)
+    last = places[-1]
+    places[-1] = replace(last, rise=rise, lean=last.lean + turns_about_z(heading)[:2, :2] @ by_feet)
     return tuple(places)
 
 
@@ -250,7 +252,8 @@ def _footholds(
     feet[:, 2] += (feet - origin)[:, :2] @ tilt
     each = np.tile(tilt, (len(feet), 1))
     contacts = contact_points(feet, yaw, np.array(robot.corners), each)
-    return Footholds(feet, yaw, contacts, each, heading, origin)
+    lean = tilt if robot.file.foot.is_point else np.zeros(2)  # on soles a body stands upright
+    return Footholds(feet, yaw, contacts, each, heading, origin, lean=lean)
 
 
 def _headings(robot: Robot) -> Array:

@@ -39,6 +39,9 @@ class Footholds:
         tilt: (L, 2) gradients of the surface under each foot, along the world's x and y axes.
         heading: rad, of the robot that stands there.
         origin: (3,) m: where the origin of the default posture is, on the surface.
+        rise: m, by how much the body is higher than over that surface, as some feet are.
+        lean: (2,) gradient of what the body is level to, along the world's x and y axes: that of
+            the surface, and of the plane nearest to feet at different heights; on soles 0.
     """
 
     feet: Array
@@ -47,6 +50,8 @@ class Footholds:
     tilt: Array
     heading: float
     origin: Array
+    rise: float = 0.0
+    lean: Array = field(default_factory=lambda: np.zeros(2))
 
     @property
     def height(self) -> float:
@@ -276,6 +281,8 @@ class Task:
             tilt=np.array([row.tilt[i] for i, row in zip(legs, rows, strict=True)]),
             heading=rows[0].heading,
             origin=rows[0].origin,
+            rise=rows[0].rise,
+            lean=rows[0].lean,
         )
 
     def edges(self, phase: int, leg: int) -> Edges:
@@ -300,11 +307,9 @@ class Task:
         return before + share * (after - before)
 
     def lean(self, place: int) -> tuple[float, float]:
-        """Pitch and roll, rad, of the body that stands in a place; on soles it stands upright."""
-        if not self.foot.is_point:
-            return 0.0, 0.0
+        """Pitch and roll, rad, of the body that stands in a place."""
         here = self.places[place]
-        ahead, left = here.tilt[0] @ turns_about_z(here.heading)[:2, :2]
+        ahead, left = here.lean @ turns_about_z(here.heading)[:2, :2]
         return -float(np.arctan(ahead)), float(np.arctan(left))
 
     def swing_share(self, phase: int, progress: Array) -> Array:

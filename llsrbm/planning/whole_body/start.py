@@ -143,8 +143,8 @@ class Start:
     def ended(self, robot: Robot) -> Start:
         """The same, at rest where the request ends, in the posture in which it begins.
 
-        Between jumps nearby ends are up to some degrees and centimetres off. On slopes the robot
-        begins and ends as it stands there.
+        Between jumps nearby ends are up to some degrees and centimetres off. On slopes and
+        stones the robot begins and ends as it stands there.
         """
         task, state = self.task, {name: values.copy() for name, values in self.state.items()}
         R_begun, R_end = rotation_matrices(np.array([task.start_quat, task.goal_quat]))
@@ -153,7 +153,8 @@ class Start:
         state["quat"][-1] = task.goal_quat
         for name in ("joint_position", "velocity", "omega", "joint_velocity"):
             state[name][-1] = state[name][0]
-        if self.tilt[[0, -1]].any():
+        uneven = any(place.lean.any() or place.rise for place in task.places)
+        if uneven or self.tilt[[0, -1]].any():
             stands = _standing(task, robot)
             state["quat"][0] = task.start_quat
             state["position"][[0, -1]] = stands.base_position
@@ -328,11 +329,9 @@ def tilts(task: Task, grid: Grid) -> Array:
 def _level(task: Task, grid: Grid) -> Array:
     """(N + 1, 2) x and y of the quaternion of a base that is level to what is below it."""
     leans = quaternion_product(
-        leaning(np.array([place.tilt[0] for place in task.places])),
+        leaning(np.array([place.lean for place in task.places])),
         quaternions_about_z([place.heading for place in task.places]),
     )[:, 1:3]
-    if not task.foot.is_point:
-        leans[:] = 0.0
     phases = list(task.schedule)
     found = []
     for k, share in enumerate(grid.shares[::2]):

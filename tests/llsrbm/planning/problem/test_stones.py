@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from llsrbm.errors import InputError
 from llsrbm.mechanics import turns_about_z
 from llsrbm.planning.problem.placement import make_task
-from llsrbm.planning.problem.stones import within_reach
+from llsrbm.planning.problem.stones import LEAN, RISE, within_reach
 from llsrbm.request.jump import Jump
 from llsrbm.request.stones import Stone
 from llsrbm.robots import load_robot
@@ -31,6 +32,42 @@ def test_that_foot_alone_lands_elsewhere_as_the_robot_looks_that_lands(jump):
     np.testing.assert_allclose(other.contacts - last.contacts, away, atol=1e-12)
     for before, after in zip(plain.places[:-1], moved.places[:-1], strict=True):
         np.testing.assert_array_equal(before.feet, after.feet)
+    # A quarter of the one foot's height is the plane's above the middle, half of it the body's.
+    rises = moved.goal_position - plain.goal_position
+    np.testing.assert_allclose(rises, [0.0, 0.0, RISE * ASIDE["RF"][2] / 4], atol=5e-4)
+
+
+def _R(quat):
+    return Rotation.from_quat(np.roll(quat, -1)).as_matrix()
+
+
+@pytest.mark.parametrize("twist", [0.0, 2.1])
+def test_a_body_leans_part_of_the_way_with_its_feet(twist):
+    stairs = {"LF": (0.0, 0.0, 0.12), "RF": (0.0, 0.0, 0.12)}
+    plain, moved = (make_task(Jump(twist=twist, stones=stones), ROBOT) for stones in ({}, stairs))
+    nose = (_R(plain.goal_quat).T @ _R(moved.goal_quat))[:, 0]  # as the level robot sees it
+    base = ROBOT.feet[0, 0] - ROBOT.feet[2, 0]
+    np.testing.assert_allclose(nose[2] / nose[0], LEAN * 0.12 / base, rtol=1e-6)
+    assert abs(nose[1]) < 1e-9
+    assert moved.lean(-1) == pytest.approx((-np.arctan(nose[2] / nose[0]), 0.0))
+    np.testing.assert_allclose(moved.places[-1].feet[:, :2], plain.places[-1].feet[:, :2])
+    assert not moved.places[-1].tilt.any()  # every step is level
+
+
+def test_stones_of_one_height_are_a_landing_of_half_that_height_for_the_body():
+    stones = dict.fromkeys(ROBOT.leg_names, (0.0, 0.0, 0.05))
+    moved, plain = (make_task(Jump(stones=each), ROBOT) for each in (stones, {}))
+    np.testing.assert_allclose(moved.goal_quat, plain.goal_quat, atol=1e-12)
+    np.testing.assert_allclose(moved.goal_position[2] - plain.goal_position[2], RISE * 0.05)
+
+
+def test_a_body_on_soles_stays_upright_at_its_height():
+    tasks = (
+        make_task(Jump(robot="slider", stones=each), load_robot("slider"))
+        for each in ({}, {"left": (0.0, 0.0, 0.06)})
+    )
+    plain, moved = tasks
+    np.testing.assert_array_equal(plain.goal_quat, moved.goal_quat)
     np.testing.assert_array_equal(plain.goal_position, moved.goal_position)
 
 
@@ -51,7 +88,7 @@ def test_corners_of_a_sole_move_with_it():
     [
         ({"FL": (0.1, 0.0)}, 'stones: anymal has no leg "FL"; valid: LF, RF, LH, RH'),
         ({"LF": (0.3, 0.0)}, r"LF would stand 0\.583 m from its hip.* expected 0\.26 to 0\.52 m"),
-        ({"LH": (0.0, 0.0, 0.3)}, r"LH would stand .* as far as legs of anymal reach"),
+        ({"LH": (0.0, 0.0, 0.3)}, r"[LR]H would stand .* as far as legs of anymal reach"),
         (
             {"LF": (0.0, -0.2), "RF": (0.0, 0.2)},
             r"LF and RF would stand 0\.\d+ m apart; expected at least 0\.12 m",
