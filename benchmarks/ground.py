@@ -7,7 +7,8 @@ Slopes: +-20 degrees of pitch and +-15 of roll under the take-off or the landing
 lands up to 10 cm aside and 10 cm above its place. Stairs: steps of 25 cm by 12 cm, up or down, the
 first edge 3 to 20 cm before the front feet; a jump of 15 to 45 cm, each foot on the step that it
 comes to, 5 cm off the edges. Routes: three to five landings of 10 to 35 cm, +-15 cm in height,
-+-60 degrees in all of turn. Other components are uniform over half of the file's ranges. Requests and disturbances follow from the seed alone.
++-60 degrees in all of turn. Other components are uniform over half of the file's ranges. Requests
+and disturbances follow from the seed alone.
 """
 
 from __future__ import annotations
