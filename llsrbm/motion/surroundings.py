@@ -16,27 +16,23 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
-import coal
 import numpy as np
-import pinocchio as pin
 
 from llsrbm.arrays import Array, BoolArray
-from llsrbm.body.trunk_and_knees import trunk_box
 from llsrbm.errors import InputError
 from llsrbm.mechanics import (
-    rotation_matrices,
     turns_about_z,
 )
 from llsrbm.motion.block import Block
 from llsrbm.motion.footprints import MARGIN, ROOM, Rectangle, around, avoiding, common, meet
 from llsrbm.motion.grounds import place_headings
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.reaching import feet_inside, links_inside, trunk_inside
 from llsrbm.motion.sampling import foothold_knots, resample
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.slopes import gradients, normals
 from llsrbm.robots.feet import foot_contacts
-from llsrbm.robots.link_shapes import LinkShapes
 from llsrbm.robots.robot import Robot
 
 SLOPING = 0.08  # m of a block that slopes around the feet: its upper edge stands out
@@ -44,7 +40,6 @@ THICKER = 0.05  # m that it reaches into the ground
 # Where the edge between feet beside a block and feet on it may be, as shares of their distance: in
 # the middle, or so far that a trunk leaning over it before lift-off has room.
 EDGES = (0.5, 0.8)
-TRUNK_POINTS = 9  # a side, of the trunk's box that are looked at
 STEP = 0.04  # m of a stone around its foot, where other feet of its place leave as much
 BOARD = 2.0  # m, length and width of a board on the ground: wherever the robot lands, it lies there
 _DIGITS = 4  # of a place's height, m: beyond are the solver's defects
@@ -219,9 +214,13 @@ def _standing(
         if footprint is not None:
             block = _block(place, name, footprint, ground, place.height)
             on_feet, until_half_way = _beside(plan, places, k)
-            if _trunk_inside(robot, plan, block) or _links_inside(robot, plan, block, on_feet):
+            if (
+                trunk_inside(robot, plan, block)
+                or links_inside(robot, plan, block, on_feet)
+                or feet_inside(plan, block, _elsewhere(plan, places, k), radius)
+            ):
                 continue
-            if not _links_inside(robot, plan, block, until_half_way):
+            if not links_inside(robot, plan, block, until_half_way):
                 return block
             # Rather a block that the plan's legs run into than one that is not there.
             narrow = narrow or block
@@ -278,21 +277,11 @@ def _stones(robot: Robot, plan: Plan, places: Sequence[_Place], radius: float) -
         room = radius + ROOM
         if (
             meet(place.seen(start.points), footprint.low - room, footprint.high + room)
-            or _trunk_inside(robot, plan, block)
-            or _links_inside(robot, plan, block, before | until_half_way)
+            or trunk_inside(robot, plan, block)
+            or links_inside(robot, plan, block, before | until_half_way)
         ):
             block = replace(block, from_s=_mid_flight(plan, place))
         yield block
-
-
-def _trunk_inside(robot: Robot, plan: Plan, block: Block) -> bool:
-    """Whether the planned trunk reaches into a block at any knot."""
-    low, high = trunk_box(robot)
-    grid = np.meshgrid(*np.linspace(low, high, TRUNK_POINTS).T)
-    own = np.stack(grid, axis=-1).reshape(-1, 3)
-    world = plan.base_position[:, None] + own @ np.swapaxes(rotation_matrices(plan.base_quat), 1, 2)
-    seen = np.abs((world - block.centre) @ block.rotation)
-    return bool((seen < block.size / 2).all(axis=-1).any())
 
 
 def _beside(plan: Plan, places: Sequence[_Place], k: int) -> tuple[BoolArray, BoolArray]:
@@ -303,15 +292,12 @@ def _beside(plan: Plan, places: Sequence[_Place], k: int) -> tuple[BoolArray, Bo
     return plan.phase > flight, plan.time > _highest(plan, flight)
 
 
-def _links_inside(robot: Robot, plan: Plan, block: Block, knots: BoolArray) -> bool:
-    """Whether planned links but the feet reach into a block at some of the knots."""
-    if not knots.any():
-        return False
-    joints = plan.joint_position[:, [plan.joint_names.index(name) for name in robot.joint_names]]
-    postures = np.hstack([plan.base_position, np.roll(plan.base_quat, -1, axis=1), joints])[knots]
-    placement = pin.SE3(block.rotation, block.centre)
-    least = LinkShapes.of(robot).clearance(postures, coal.Box(*block.size), placement)
-    return bool((least < 0).any())
+def _elsewhere(plan: Plan, places: Sequence[_Place], k: int) -> BoolArray:
+    """(N+1,) knots in flights of a route between two other places than `k`."""
+    flights = [place.flight for place in places]
+    flights[0] = -1  # nothing leads to the start
+    beside = {flights[k], *flights[k + 1 : k + 2]}
+    return np.isin(plan.phase, [flight for flight in flights if flight not in beside])
 
 
 def _beside_obstacle(obstacle: Obstacle, places: Sequence[_Place]) -> tuple[float, list[Block]]:

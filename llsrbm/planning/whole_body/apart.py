@@ -153,8 +153,12 @@ def _found(
 
 
 def _soon(row: Row) -> float:
-    """Smallest joint step that closes the gap, rad or m."""
-    return row.room / max(float(np.linalg.norm(row.slope[6:])), 1e-6)
+    """Smallest step of base and joints that closes the gap, m and rad.
+
+    No joint brings a trunk to what the feet stand on: counted by joints alone that row was the last
+    one and left out, and landings went on from one that sank too deep to another.
+    """
+    return row.room / max(float(np.linalg.norm(row.slope)), 1e-6)
 
 
 def _turned(planned: Array, quat: Array) -> Array:

@@ -204,6 +204,20 @@ def test_hops_far_apart_have_boxes_that_stand_all_the_time():
         assert overhang(box, stood_on(plan, place), -RADIUS).max() < 0
 
 
+@pytest.mark.parametrize("height", [0.2, 2.0])
+def test_a_box_through_which_feet_swing_in_another_flight_goes_before(height):
+    there = [synthetic_plan(Jump(height=up, forward=2.0)) for up in (height, -height)]
+    back = synthetic_plan(Jump(forward=-4.0))
+    plan = in_a_row(*there, back)
+    (box,) = surroundings(ANYMAL, plan, Scenario()).blocks
+    flies = plan.foot_position[plan.phase == plan.schedule.flights[-1]].reshape(-1, 3)
+    through = (overhang(box, flies) > 0) & (flies[:, 2] < height)
+    assert through.any() == (height == 2.0)
+    assert (box.until_s < math.inf) == through.any()
+    left, lands = plan.phase_start[[3, 4]]
+    assert not through.any() or left <= box.until_s < lands
+
+
 def test_the_board_of_hops_lies_under_the_last_landing_alone():
     plan = hops(0.1, 0.1)
     *_, board = surroundings(ANYMAL, plan, Scenario(board=0.02)).blocks

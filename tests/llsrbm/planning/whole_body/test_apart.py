@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
+import coal
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import llsrbm
+from llsrbm.motion.block import Block
 from llsrbm.planning.whole_body import apart
 from llsrbm.planning.whole_body import start as start_module
 from llsrbm.planning.whole_body.apart import BETWEEN, FAR, Apart
@@ -15,6 +17,7 @@ from llsrbm.planning.whole_body.refine import refined
 from llsrbm.planning.whole_body.start import CROUCHES, SINKS, start_of, trunk_room
 from llsrbm.robots import load_robot
 from llsrbm.robots.link_shapes import LinkShapes
+from llsrbm.robots.near_links import NearLinks, away_from
 
 
 @pytest.fixture(scope="module")
@@ -78,6 +81,31 @@ def test_the_trunk_keeps_away_where_legs_stand_and_more_after_every_flight():
     np.testing.assert_array_equal(np.flatnonzero(room == SINKS), [*range(8, 12), *range(16, 21)])
     np.testing.assert_array_equal(np.flatnonzero(room == CROUCHES), range(4))
     np.testing.assert_array_equal(np.flatnonzero(room == 0), [*range(4, 8), *range(12, 16)])
+
+
+def test_a_trunk_that_sinks_is_among_them_however_many_links_are_near(monkeypatch):
+    monkeypatch.setattr(apart, "NEAR", 0.2)  # more pairs than there are rows
+    robot = load_robot("go2")
+    ground = Block("ground", np.array([0.0, 0.0, -0.5]), np.array([9.0, 9.0, 1.0]), 0.0)
+    q, upright = np.tile(robot.posture, (3, 1)), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1))
+    room = 0.01
+    kept = _under_the_trunk(robot) - room
+    found = Apart.near(q, np.arange(3.0), upright, robot, (ground,), np.full(3, kept))
+    of_trunk = ~found.slope[1, :, 6:].any(axis=1) & found.slope[1, :, :3].any(axis=1)
+    assert of_trunk.sum() == 1
+    np.testing.assert_allclose(found.slope[1, of_trunk, :3], [[0.0, 0.0, 1.0]], atol=1e-6)
+
+
+def _under_the_trunk(robot):
+    """m from the ground to the lowest point of what does not move with a joint."""
+    shapes, ground = LinkShapes.of(robot), coal.Box(9.0, 9.0, 1.0)
+    below = pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.5]))
+    bounds = NearLinks.of(robot).shapes.least_from(robot.posture[None], ground, below)[0]
+    of_trunk = np.array([shape.joint == 1 for shape in shapes.shapes])
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.posture)
+    inside = np.where(of_trunk, bounds, np.inf)
+    return float(away_from(shapes, data, ground, below, inside, 1.0)[0])
 
 
 def test_a_robot_whose_links_stand_close_together_may_stand_so():
