@@ -157,6 +157,11 @@ class ComparisonClosed:
     """The comparison was closed, done or not."""
 
 
+@_event("repair")
+class RepairAsked:
+    """The motion of a file that is open shall be repaired; there may be none."""
+
+
 @_event("certificate")
 class CertificateAsked:
     """The verdict was pressed."""

@@ -1,5 +1,6 @@
 // A card on top of the bar below the picture: a jump made in several ways, side by side. While they are
-// tried it says how far they are; then one sentence on who turned how far, and a table of figures.
+// tried it says how far they are; then one sentence on who turned how far, and a table of figures. The
+// same card is that of a motion of another tool: which checks it breaks, and its repair beside it.
 (() => {
   const { page, element, swatch, addToPage } = window.llsrbm;
   const COMPARES = "data-llsrbm-compares"; // of the page, while the card is there
@@ -22,6 +23,10 @@
     #llsrbm-compare :is(th, td) { text-align: right; padding: 0 0 0 1.2em; font-weight: 400; }
     #llsrbm-compare thead th { font-weight: 600; }
     #llsrbm-compare tbody th { text-align: left; padding-left: 0; }
+    #llsrbm-compare .repair { font: inherit; font-weight: 600; min-height: 26px; padding: 1px 12px;
+      border-radius: 4px; cursor: pointer; color: var(--mantine-color-text);
+      background: var(--mantine-primary-color-light); border: 1px solid var(--mantine-primary-color-filled); }
+    #llsrbm-compare .repair:disabled { opacity: 0.5; cursor: default; }
     #llsrbm-compare .close { position: absolute; top: 0; right: 0; min-width: 28px; min-height: 26px; }
     @media (prefers-reduced-motion: reduce) { #llsrbm-compare .busy > i { animation: none; } }
     /* On a phone the robots side by side are what there is to see. */
@@ -47,6 +52,15 @@
     return table;
   }
 
+  // "ready", "waits": whether a press has the motion repaired; "": there is nothing to repair.
+  const repairing = (repair) => {
+    const button = element("button", { type: "button", class: "repair",
+      title: "Find the nearest motion whose checks hold, and make it the plan",
+      onclick: () => page.send({ kind: "repair" }) }, "Repair");
+    button.disabled = repair !== "ready";
+    return element("li", {}, button);
+  };
+
   const card = element("section", { id: "llsrbm-compare", "aria-label": "Comparison" });
   card.style.display = "none";
   addToPage(STYLE);
@@ -57,14 +71,15 @@
   });
 
   window.llsrbm.compare = {
-    // null: nothing is compared (app/tab/contenders.py, `card`).
+    // null: nothing is compared (app/tab/contenders.py and foreign.py, `card`).
     show(comparison) {
       card.style.display = comparison ? "" : "none";
       document.documentElement.toggleAttribute(COMPARES, Boolean(comparison));
       if (!comparison) return card.replaceChildren();
-      const { ways, note, sentence, rows } = comparison;
+      const { ways, note, sentence, rows, repair } = comparison;
       card.replaceChildren(
-        element("ul", { class: "ways", "aria-label": "Compared, from left to right" }, ...ways.map(way)),
+        element("ul", { class: "ways", "aria-label": "Compared, from left to right" },
+          ...ways.map(way), ...(repair ? [repairing(repair)] : [])),
         element("p", { "aria-live": "polite" },
           sentence || note),
         ...(rows.length ? [figures(ways, rows)] : []),

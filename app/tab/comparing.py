@@ -11,7 +11,7 @@ from app.panel.acts import Act
 from app.plots.choice import compared
 from app.tab.acts import Step, joined, on, submit_beside
 from app.tab.contenders import By, Comparing, Contender
-from app.tab.effects import Effect, Forget, Notify, Play, Queue, Reported, Seek
+from app.tab.effects import Effect, Forget, Notify, Play, Queue, Reported, Seek, Stop
 from app.tab.shown import Shown
 from app.tab.state import TabState
 from app.workers import reports, tasks
@@ -209,9 +209,12 @@ def _shown(rollout: Rollout, robot: Robot) -> Shown:
 
 
 @on(ComparisonClosed)
-def close(state: TabState, _: ComparisonClosed) -> TabState:
-    """Back to the motion that is shown."""
-    return _closed(state)
+def close(state: TabState, _: ComparisonClosed) -> Step:
+    """Back to the motion that is shown, or from a motion of a file, which stays pinned."""
+    if state.comparing is not None:
+        return _closed(state), ()
+    stop = (Stop(Queue.MOTION),) if state.repairing else ()
+    return replace(state, foreign=None), stop
 
 
 def _closed(state: TabState) -> TabState:

@@ -51,7 +51,10 @@ def choose_pin(state: TabState, event: PinChosen) -> TabState:
 def unpin(state: TabState) -> TabState:
     """Let go of the pin that is chosen."""
     pins = tuple(each for index, each in enumerate(state.pins) if index != state.pin_chosen)
-    return replace(state, pins=pins, pin_chosen=len(pins) - 1)
+    foreign = state.foreign
+    if foreign is not None and all(pin.motion is not foreign.motion for pin in pins):
+        foreign = None
+    return replace(state, pins=pins, pin_chosen=len(pins) - 1, foreign=foreign)
 
 
 @on(PinPressed)

@@ -7,9 +7,11 @@ from app.link import ExportChosen, MotionChosen
 from app.motion.baked import bake_foreign
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
-from app.tab.acts import Step, on, reads, submit_beside
-from app.tab.effects import Download, Notify, Queue, Reported, ShowExports, Stop
+from app.tab.acts import Step, joined, on, reads, submit_beside
+from app.tab.effects import Download, Notify, Play, Queue, Reported, ShowExports, Stop
+from app.tab.foreign import Foreign
 from app.tab.planning.requests import plan_design, remember
+from app.tab.repairing import check_foreign
 from app.tab.showing import show_given
 from app.tab.shown import Given
 from app.tab.state import Pin, TabState, free_colour
@@ -75,7 +77,7 @@ def take_opening(state: TabState, event: Reported) -> Step:
 def show_file(state: TabState, file: OpenedFile) -> Step:
     """Show a file's content: a design is planned, a plan or a simulation of one shown as it is.
 
-    Any other motion becomes a pin: it is for looking and comparing.
+    Any other motion becomes a pin, for looking and comparing; it is checked, and may be repaired.
     """
     design = _design_in(state, file)
     if design is not None:
@@ -92,7 +94,7 @@ def show_file(state: TabState, file: OpenedFile) -> Step:
         case Rollout() as rollout, Design():
             return _show_motion(state, file, design, rollout.plan, rollout)
         case States() as states, _:
-            return _pin(state, file, states.motion(), None)
+            return _pin(state, file, states.motion())
     return state, ()
 
 
@@ -120,24 +122,24 @@ def _show_motion(
     return show_given(remember(state, design, settled=True), given)
 
 
-def _pin(
-    state: TabState, file: OpenedFile, motion: Rollout | WholeBodyMotion, design: Design | None
-) -> Step:
+def _pin(state: TabState, file: OpenedFile, motion: WholeBodyMotion) -> Step:
     colour = free_colour(state.pins)
     if colour is None:
         body = f"{file.name}: unpin something first; all colours are taken"
         return state, (Notify("Not opened", body),)
-    pin = Pin(bake_foreign(file.name, motion), None, design, colour)
-    rate = getattr(motion, "fps", None)
-    at = "" if rate is None else f", at {rate:g} frames/s"
+    baked = bake_foreign(file.name, motion)
+    at = "" if motion.fps is None else f", at {motion.fps:g} frames/s"
     note = f"{file.name} is pinned for looking and comparing{at}."
     state = replace(
         state,
-        pins=(*state.pins, pin),
+        pins=(*state.pins, Pin(baked, None, None, colour)),
         pin_chosen=len(state.pins),
         note=" ".join((note, *file.remarks)),
     )
-    return plan_design(state) if state.plan is None else (state, ())
+    state, effects = check_foreign(state, Foreign(baked, colour))
+    if state.plan is None:
+        return joined(effects, plan_design(state))
+    return state, (*effects, Play())
 
 
 # ---- saving

@@ -27,9 +27,11 @@ from app.plots.plots import Plots
 from app.tab.acts import is_enabled, is_visible
 from app.tab.atlas import AtlasDrawing, Atlases
 from app.tab.contenders import Comparing, Contender, card
+from app.tab.foreign import card as repair_card
 from app.tab.planning.feasible import Tint
 from app.tab.plotting import layers_of, titles
 from app.tab.pushing import push_shown
+from app.tab.repairing import can_be_repaired
 from app.tab.routing import DRAWING
 from app.tab.shaping import handles_of
 from app.tab.simulating import status_of
@@ -129,8 +131,7 @@ class Rendering:
         """Set what the panel shows; viser sends what has changed of it."""
         panel, design = self.panel, state.design
         panel.show_status(status_of(state))
-        if self._changed("comparing", state.comparing):
-            self._link.call("compare.show", card(state.comparing))
+        self._draw_card(state)
         for act, button in panel.buttons.items():
             button.disabled = not is_enabled(act, state)
             button.visible = is_visible(act, state)
@@ -168,6 +169,20 @@ class Rendering:
             panel.show_certificate(None, of, "")
         else:
             panel.show_certificate(check.certificate, of, check.note)
+
+    def _draw_card(self, state: TabState) -> None:
+        """The comparison, or the motion of a file that is open."""
+        foreign = state.foreign
+        if state.comparing is not None or foreign is None:
+            if self._changed("card", state.comparing):
+                self._link.call("compare.show", card(state.comparing))
+            return
+        offered, repaired = can_be_repaired(state), foreign.is_shown(state.plan)
+        if self._changed("card", (foreign, repaired, state.repairing, offered)):
+            words = repair_card(
+                foreign, repaired=repaired, repairing=state.repairing, offered=offered
+            )
+            self._link.call("compare.show", words)
 
     # ---- picture
 
@@ -306,11 +321,14 @@ def _pinned_beside(state: TabState) -> tuple[Standing, ...]:
     planned = shown.planned.frames
     colour = colours.PLANNED if shown.solid is None else colours.SIMULATED
     standing = Standing(first, state.robot, shown.solid or planned, planned, colour, shown.blocks)
-    pins = (
+    pins = [
         Standing(name, pin.ghost.robot, pin.ghost.frames, pin.motion.frames, pin.colour)
         for name, pin in zip(names, state.pins, strict=True)
-    )
-    return (standing, *pins)
+    ]
+    # A motion that was repaired stands to the left: it is what was before.
+    before = None if state.foreign is None else state.foreign.motion.frames
+    lefts = [each for each in pins if each.frames is before]
+    return (*lefts, standing, *(each for each in pins if each.frames is not before))
 
 
 def _column(contender: Contender) -> Column:

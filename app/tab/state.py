@@ -23,11 +23,12 @@ from app.panel.view_controls import View
 from app.picture.picture import Ghost
 from app.plots.choice import DEFAULT, PlotChoice, of_jump
 from app.tab.contenders import Comparing
+from app.tab.foreign import Foreign
 from app.tab.how_far import HowFar
 from app.tab.planning.dragging import DragPlanning
 from app.tab.shown import Given, Shown
 from app.tab.slider_ends import Beyond, reaching, stretched
-from app.workers.tasks import PlanJump, RefinePlan, SimulateJump, Task
+from app.workers.tasks import PlanJump, RefinePlan, RepairMotion, SimulateJump, Task
 from llsrbm.analysis.figures import DesignFigures, figures_of_plan
 from llsrbm.certificate import Certificate
 from llsrbm.look.titles import Decisions, decisions_of
@@ -177,6 +178,8 @@ class TabState:
     check: Check | None = None  # of the motion that was shown when it was asked for
     pins: tuple[Pin, ...] = ()  # what is compared
     pin_chosen: int = -1  # number of the chosen one, -1: none
+    # another tool's motion, one of the pins, that was opened last; None: none is open
+    foreign: Foreign | None = None
     beside: bool = False  # their robots stand beside the one that is shown, else where they are
     # the jump made in several ways, in place of the motion that is shown; None: it is not compared
     comparing: Comparing | None = None
@@ -277,6 +280,11 @@ class TabState:
         """Whether the plan that is shown is going to be replaced."""
         makes_plan = isinstance(self.work.awaited, PlanJump | RefinePlan)
         return makes_plan or self.work.dragging.rests
+
+    @property
+    def repairing(self) -> bool:
+        """Whether a motion is being repaired."""
+        return isinstance(self.work.awaited, RepairMotion)
 
     @property
     def moving(self) -> bool:

@@ -15,6 +15,7 @@ from llsrbm.certificate import Certificate
 from llsrbm.largest_jump import Largest
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
+from llsrbm.repairing.result import Repair
 from llsrbm.request.jump import Jump
 
 
@@ -143,6 +144,14 @@ class Checked:
     certificate: Certificate
 
 
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """A motion was repaired, or could not be, and why."""
+
+    job: int
+    repair: Repair
+
+
 @dataclass(frozen=True)
 class Failed:
     """The job ended without a result: one line for the user."""
@@ -169,6 +178,7 @@ Outcome = (
     | Opened
     | Exported
     | Checked
+    | Repaired
     | Failed
     | Cancelled
 )

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, ClassVar
 
+from app.workers.opened_file import States
 from app.workers.reports import (
     Checked,
     Exported,
@@ -24,6 +25,7 @@ from app.workers.reports import (
     Planned,
     Prepared,
     Refused,
+    Repaired,
     Simulated,
     Talk,
 )
@@ -48,6 +50,7 @@ class Kind(Enum):
 
     PLAN = "plan"
     REFINE = "refine"
+    REPAIR = "repair"
     SIMULATE = "simulate"
     EXPORT = "export"
     QUICK_EXPORT = "quick export"
@@ -270,13 +273,33 @@ class ExportMotion(Task):
 
 @dataclass(frozen=True, eq=False)
 class CheckMotion(Task):
-    """Make the certificate of a plan or a rollout."""
+    """Make the certificate of a plan, a rollout or another tool's motion."""
 
-    motion: Plan | Rollout
+    motion: Plan | Rollout | States
     kind = Kind.CHECK
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         return Checked(talk.job, planner.check(self, talk.progress))
+
+
+@dataclass(frozen=True, eq=False)
+class CheckForeign(CheckMotion):
+    """Make the certificate of another tool's motion that was opened."""
+
+
+@dataclass(frozen=True, eq=False)
+class RepairMotion(Task):
+    """Find the plan nearest to another tool's motion whose certificate holds."""
+
+    motion: States
+    kind = Kind.REPAIR
+
+    @property
+    def needs(self) -> Hashable:
+        return "repair", self.motion.robot  # which solver it takes is known once its feet are seen
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        return Repaired(talk.job, planner.repair(self, talk.progress, talk.cancelled))
 
 
 Solver = tuple[str, str, str, int, str, bool]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import llsrbm
 from app.workers import reports, spare_solvers, tasks
-from app.workers.opened_file import OpenedFile
+from app.workers.opened_file import OpenedFile, States
 from llsrbm import errors
 from llsrbm.arrays import Array
 from llsrbm.motion.plan import Plan
@@ -23,6 +23,7 @@ from llsrbm.request.jump import Jump
 if TYPE_CHECKING:
     from llsrbm.certificate import Certificate
     from llsrbm.largest_jump import Largest
+    from llsrbm.repairing.result import Repair
 
 _log = logging.getLogger(__name__)
 
@@ -181,11 +182,22 @@ class LibraryPlanner:
         return exported(task)
 
     def check(self, task: tasks.CheckMotion, progress: ProgressListener) -> Certificate:
-        """Certificate of a motion."""
+        """Certificate of a plan, a rollout or another tool's motion."""
         from llsrbm.certificate import certify
 
         progress("checking the motion at 1 kHz")
-        return certify(task.motion)
+        motion = task.motion
+        return certify(motion.motion() if isinstance(motion, States) else motion)
+
+    def repair(
+        self, task: tasks.RepairMotion, progress: ProgressListener, cancelled: Callable[[], bool]
+    ) -> Repair:
+        """The plan nearest to another tool's motion."""
+        return llsrbm.repair(
+            task.motion.motion(),
+            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
+            cancelled=cancelled,
+        )
 
     def _through(
         self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]

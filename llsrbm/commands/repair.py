@@ -11,7 +11,6 @@ from llsrbm.commands import console, options
 from llsrbm.errors import InputError
 
 if TYPE_CHECKING:
-    from llsrbm.certificate import Certificate
     from llsrbm.repairing.result import ClipRepair, Repair
 
 
@@ -89,12 +88,15 @@ def _check_words(context: typer.Context, of_clip: bool) -> None:
 
 
 def _clip_description(found: ClipRepair) -> dict[str, str]:
-    rows = {"Result": found.status, "Before": _broken(found.before)}
+    from llsrbm.repairing.wording import broken_checks, moved_in_words
+
+    rows = {"Result": found.status, "Before": broken_checks(found.before)}
     if found.after is not None:
-        rows["After"] = _broken(found.after)
+        rows["After"] = broken_checks(found.after)
     for number, jump in enumerate(found.jumps, start=1):
         start, end = jump.phases[0].start_s, jump.phases[-1].end_s
-        rows[f"Jump {number}"] = f"{start:.2f} to {end:.2f} s: {jump.status}{_moved(jump)}"
+        by = "" if jump.moved is None else f", {moved_in_words(jump.moved)}"
+        rows[f"Jump {number}"] = f"{start:.2f} to {end:.2f} s: {jump.status}{by}"
     if found.motion is not None:
         rows["Clip"] = f"{found.motion.time[-1]:.2f} s"
     if found.joins:
@@ -107,42 +109,22 @@ def _clip_description(found: ClipRepair) -> dict[str, str]:
     return rows
 
 
-def _moved(found: Repair) -> str:
-    if found.moved is None:
-        return ""
-    by = found.moved
-    return (
-        f", joints {by.joint_rms_rad:.3f} rad (rms), base {100 * by.base_rms_m:.1f} cm (rms), "
-        f"landing {100 * by.landing_m:.1f} cm"
-    )
-
-
 def _description(found: Repair) -> dict[str, str]:
+    from llsrbm.repairing.wording import broken_checks, moved_in_words
+
     rows = {"Result": found.status}
     for phase in found.phases:
         feet = ", ".join(phase.feet) or "no foot"
         when = f"{phase.start_s:.2f} to {phase.end_s:.2f} s"
         name = phase.name if phase.name not in rows else f"{phase.name}, {when}"
         rows[name] = f"{when}: {feet}"
-    rows["Before"] = _broken(found.before)
+    rows["Before"] = broken_checks(found.before)
     if found.after is not None:
-        rows["After"] = _broken(found.after)
+        rows["After"] = broken_checks(found.after)
     if found.plan is not None:
         rows["Plan"] = options.in_words(found.plan.jump)
     if found.moved is not None:
-        rows["Moved"] = _moved(found).removeprefix(", ")
+        rows["Moved"] = moved_in_words(found.moved)
     if found.why and found.status != "failed":
         rows["Remark"] = found.why
     return rows
-
-
-def _broken(certificate: Certificate) -> str:
-    """The checks that do not hold, by how much and when; or that all that is known does."""
-    if not certificate.broken:
-        return "holds" if certificate.holds else "holds as far as it is known"
-    return "; ".join(
-        f"{each.name} {each.shown(each.worst)} at {each.where} ({each.when})"
-        if each.worst is not None
-        else each.name
-        for each in certificate.broken
-    )

@@ -13,6 +13,7 @@ from app.tab.planning.dragging import REST
 from app.tab.planning.largest import search
 from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import Rested, plan_design
+from app.tab.repairing import check_foreign
 from app.tab.shown import Given
 from app.tab.state import FileWork, TabState
 from app.workers.opened_file import OpenedFile
@@ -106,6 +107,9 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     if state.comparing is not None and not state.comparing.done:
         state, tried = go_on(state)
         begun = (*begun, *tried)
+    if state.foreign is not None and state.foreign.ticket:
+        state, checked = check_foreign(state, state.foreign)
+        begun = (*begun, *checked)
     if state.far is not None and state.far.running:
         state, searched = search(state, state.far)
         begun = (*begun, *searched)
