@@ -1,7 +1,8 @@
 """Robots beside each other, each with its name, its inertia ellipsoid and what stands around it.
 
 They stand across the direction from which a row is looked at first, so far from each other that
-nothing of one is ever where another has been; the one that is shown is where its motion has it.
+nothing of one is ever where another has been; the one that is shown is where its motion has it. A
+motion of a file that begins far away is brought beside it.
 """
 
 from collections.abc import Callable, Sequence
@@ -27,6 +28,7 @@ from llsrbm.motion.block import Block
 
 _FREE = 0.25  # m between what two neighbours sweep
 _ABOVE = 0.12  # m from the highest that one of them gets to their names
+_FAR = 0.5  # m between where two motions begin, from which on one is brought beside the other
 _EVERY = 4  # frames between those whose room is measured
 _LETTERS = 0.17  # height of names, in heights of a standing robot's CoM
 _WIDEST = 1.6  # of a name, in its letters' height and its share of the room to the next
@@ -62,7 +64,8 @@ class Row(Drawing):
         self._turns = bool(picture.planned.plan.jump.pitch)
         rooms = [_room(each) for each in row]
         shown = next(k for k, each in enumerate(row) if each.frames is picture.solid)
-        shifts = _shifts(rooms, shown, 0 if self._turns else 1)
+        begins = np.array([each.frames.com[0] for each in row])
+        shifts = _shifts(rooms, begins, shown, 0 if self._turns else 1)
         self._points = np.concatenate(
             [outermost(room) + by for room, by in zip(rooms, shifts, strict=True)]
         )
@@ -178,14 +181,19 @@ def _room(standing: Standing) -> Array:
     return np.concatenate([swept, *(corners(block, np.inf) for block in standing.blocks)])
 
 
-def _shifts(rooms: Sequence[Array], fixed: int, axis: int) -> list[Array]:
-    """(3,) m for each robot, from the room (P, 3) m that each sweeps, but for one that stays."""
+def _shifts(rooms: Sequence[Array], begins: Array, fixed: int, axis: int) -> list[Array]:
+    """(3,) m for each robot, from the room (P, 3) m that each sweeps, but for one that stays.
+
+    `begins`: (n, 3) m, where their CoMs are at first.
+    """
     low, high = (np.array([end(room[:, axis]) for room in rooms]) for end in (np.min, np.max))
     # From one to the next, as much as the right side of one and the left side of the next need.
     gaps = high[:-1] - low[1:] + _FREE
     places = np.concatenate([[0.0], np.cumsum(gaps)])
     along = np.zeros((len(rooms), 3))
     along[:, axis] = places - places[fixed]
+    across = begins[fixed, 1 - axis] - begins[:, 1 - axis]
+    along[:, 1 - axis] = np.where(np.abs(across) > _FAR, across, 0.0)
     return list(along)
 
 

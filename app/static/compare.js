@@ -32,6 +32,7 @@
     /* On a phone the robots side by side are what there is to see. */
     @media (max-width: 640px) {
       #llsrbm-compare { max-height: 17vh; }
+      #llsrbm-compare.of-file { max-height: 22vh; }
       [${COMPARES}] [data-llsrbm-sheet] { max-height: 24vh !important; } }`;
 
   const close = () => page.send({ kind: "comparison-closed" });
@@ -77,6 +78,7 @@
       document.documentElement.toggleAttribute(COMPARES, Boolean(comparison));
       if (!comparison) return card.replaceChildren();
       const { ways, note, sentence, rows, repair } = comparison;
+      card.classList.toggle("of-file", repair !== undefined);
       card.replaceChildren(
         element("ul", { class: "ways", "aria-label": "Compared, from left to right" },
           ...ways.map(way), ...(repair ? [repairing(repair)] : [])),

@@ -134,6 +134,7 @@ def _pin(state: TabState, file: OpenedFile, motion: WholeBodyMotion) -> Step:
         state,
         pins=(*state.pins, Pin(baked, None, None, colour)),
         pin_chosen=len(state.pins),
+        beside=True,
         note=" ".join((note, *file.remarks)),
     )
     state, effects = check_foreign(state, Foreign(baked, colour))

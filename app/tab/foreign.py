@@ -65,14 +65,14 @@ def card(foreign: Foreign, *, repaired: bool, repairing: bool, offered: bool) ->
             for each, tint in names.items()
         ],
         "note": note,
-        "sentence": "" if note else _sentence(foreign, told=repaired or hopeless),
+        "sentence": "" if note else _sentence(foreign, ended=repaired or hopeless),
         "rows": [{"title": title, "values": values} for title, values in _rows(foreign, repaired)],
         "repair": "" if repaired or hopeless else "ready" if offered else "waits",
     }
 
 
-def _sentence(foreign: Foreign, *, told: bool) -> str:
-    if told and foreign.repair is not None:
+def _sentence(foreign: Foreign, *, ended: bool) -> str:
+    if ended and foreign.repair is not None:
         return repair_sentences(foreign.repair)
     return foreign.why_not if foreign.before is None else checked_sentence(foreign.before)
 

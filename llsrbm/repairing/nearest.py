@@ -32,6 +32,7 @@ def nearest(request: Request, robot: Robot, watch: Watch) -> Plan:
     """
     task = request.task
     watch.wait()
+    watch.begin("preparing the whole body's equations")
     grid = Grid.at(task.schedule, layout_of(task.jump, robot).intervals)
     refiner = watch.built(partial(Refiner, robot, grid))
     motion = begun(request, robot, grid, refiner.solver.name)

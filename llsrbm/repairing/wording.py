@@ -24,11 +24,16 @@ def moved_in_words(by: Moved) -> str:
 
 
 def checked_sentence(certificate: Certificate) -> str:
-    """Which of its checks a motion breaks, at instants of its own time."""
+    """Which of its checks a motion breaks, by how much, and when in its own time."""
+    words = _checked(certificate)
+    return f"{words[0].upper()}{words[1:]}"
+
+
+def _checked(certificate: Certificate) -> str:
     broken = certificate.broken
     count, known = _counted(certificate)
     if not broken:
-        return f"{_first_upper(count)} hold{known}."
+        return f"{count} hold{known}."
     listed = [f"{_name(each)}{_worst(each)}" for each in broken[:_LISTED]]
     if len(broken) > _LISTED:
         listed.append(f"and {len(broken) - _LISTED} more")
@@ -38,11 +43,12 @@ def checked_sentence(certificate: Certificate) -> str:
 
 
 def repair_sentences(repair: Repair) -> str:
-    """What a repair found: the checks before and after, how far the motion moved, and remarks."""
-    before = f"Before: {checked_sentence(repair.before)}"
+    """A repair: checks before and after, how far the motion moved, and remarks."""
+    when = ", in the file's own time" if repair.before.broken else ""
+    before = f"Before{when}: {_checked(repair.before)}"
     if repair.status == FAILED or repair.after is None:
         return f"{before} Not repaired: {repair.why}"
-    sentences = [before, f"After: {checked_sentence(repair.after)}"]
+    sentences = [before, f"After: {_checked(repair.after)}"]
     if repair.status == UNCHANGED:
         sentences.append("It can be done as it is.")
     if repair.moved is not None:
@@ -51,12 +57,17 @@ def repair_sentences(repair: Repair) -> str:
 
 
 def check_rows(*certificates: Certificate) -> list[tuple[str, tuple[str, ...]]]:
-    """A row a check that is known of one of them: its name, and a text of each certificate."""
-    return [
-        (_name(found[0]), tuple(_cell(each) for each in found))
+    """A row a check that is known of one of them: its name, and a text of each certificate.
+
+    Checks that are broken in one of them come first.
+    """
+    known = [
+        found
         for found in zip(*certificates, strict=True)
         if any(each.worst is not None for each in found)
     ]
+    known.sort(key=lambda found: all(each.holds is not False for each in found))
+    return [(_name(found[0]), tuple(map(_cell, found))) for found in known]
 
 
 def _name(found: Finding) -> str:
@@ -87,7 +98,3 @@ def _cell(found: Finding) -> str:
     sign = {True: "✓", False: "✗", None: "–"}[found.holds]
     where = found.where.replace("_", " ")
     return f"{sign} {found.shown(found.worst)}, {where}, {found.when}"
-
-
-def _first_upper(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}"

@@ -18,6 +18,9 @@ from llsrbm.errors import InputError
 from llsrbm.largest_jump import DIRECTIONS, Largest
 from llsrbm.library import shipped
 from llsrbm.motion.whole_body import motion_of_states
+from llsrbm.repairing.phases import ContactPhase
+from llsrbm.repairing.result import Moved, Repair
+from llsrbm.request.jump import Jump
 from llsrbm.request.schedule import together
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import refined_plan, synthetic_plan
@@ -43,6 +46,7 @@ TRIPPING = 55  # the robot falls before it has left the ground
 SLOW_PAD = 9.9  # s before and after, of an export that takes a minute and never asks
 
 
+NO_FLIGHT = "No foot leaves the ground for a flight of all feet."
 STOPS_MORE = "RH_KFE is at its limit of 30.1 rad/s at lift-off"
 
 CERTIFICATE = Certificate(
@@ -50,6 +54,14 @@ CERTIFICATE = Certificate(
         Finding("joint_speed", 1.164, 30.1, "rad/s", "FL_calf_joint", 0.74, False, 1.01),
         Finding("slip", 0.0004, 0.01, "m", "RL", 0.3, True, 0.01),
         Finding("dynamics", None, None, "N", "", None, None, why="pushes act beside the contacts"),
+    )
+)
+
+REPAIRED = Certificate(
+    (
+        Finding("joint_speed", 0.871, 30.1, "rad/s", "FL_calf_joint", 0.74, True, 1.01),
+        Finding("slip", 0.0002, 0.01, "m", "RL", 0.3, True, 0.01),
+        Finding("dynamics", 0.04, 1.0, "N", "moment", 0.6, True, 1.01),
     )
 )
 
@@ -154,6 +166,12 @@ class SyntheticPlanner:
         progress("checking the motion at 1 kHz")
         return CERTIFICATE
 
+    def repair(self, task, progress, cancelled):
+        """Of a motion that ends where it begins there is none."""
+        progress("the whole body's dynamics, near to the motion", iteration=3, residual=0.1)
+        work(0.3, cancelled)
+        return repair_of(task.motion)
+
     def export(self, task, progress):
         progress(f"writing {task.formats}")
         if task.options.get("pad") == SLOW_PAD:
@@ -179,6 +197,24 @@ def turning_states(robot, seconds=2.0, fps=50.0):
     qvel[:, 2] = np.gradient(qpos[:, 2], t)
     qvel[:, 5] = np.gradient(np.pi * share, t)
     return States.of(motion_of_states(loaded, "unitree-csv", t, qpos, qvel, fps), robot)
+
+
+def repair_of(states):
+    """From 0.2 s on, where it stood elsewhere; of a motion that does not turn there is none."""
+    legs = tuple(leg.name for leg in load_robot(states.robot).legs)
+    phases = tuple(
+        ContactPhase(name, feet, start, end)
+        for name, feet, start, end in (
+            ("take-off", legs, 0.2, 0.5),
+            ("flight", (), 0.5, 1.0),
+            ("landing", legs, 1.0, 1.6),
+        )
+    )
+    if np.ptp(states.values["base_quat"][:, 3]) < 0.1:
+        return Repair("failed", CERTIFICATE, why=NO_FLIGHT)
+    plan = refined_plan(synthetic_plan(Jump(robot=states.robot, twist=math.pi)))
+    by = Moved(0.052, 0.034, 0.012, (0.0, -0.1, 0.0))
+    return Repair("repaired", CERTIFICATE, REPAIRED, by, phases, plan, 0.5, (1.0, 2.0, 0.0))
 
 
 def standing_motion(robot, instants):

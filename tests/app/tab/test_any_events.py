@@ -13,6 +13,7 @@ from app.link import (
     PageReady,
     PlayerMoved,
     PushDragged,
+    RepairAsked,
 )
 from app.motion.colours import PINNED
 from app.panel.acts import Act
@@ -47,6 +48,7 @@ from app.workers.reports import (
     Prepared,
     Progress,
     Refused,
+    Repaired,
     SeedDone,
     Simulated,
     SimulatedSeeds,
@@ -62,6 +64,7 @@ from app.workers.tasks import (
     PlanJump,
     Prepare,
     RefinePlan,
+    RepairMotion,
     SimulateJump,
     SimulateSeeds,
 )
@@ -71,7 +74,7 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Push, Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
-from tests.app.planners import CERTIFICATE, turning_states
+from tests.app.planners import CERTIFICATE, repair_of, turning_states
 from tests.app.pure_tab import ROBOTS, plan_of, rollout_of
 from tests.app.synthetic_plan import refined_plan
 
@@ -111,6 +114,7 @@ WISHES = st.one_of(
             Act.COMPARE_ARMS,
             Act.COMPARE_DRIVES,
             ComparisonClosed(),
+            RepairAsked(),
             Act.FAR_TWIST,
             Act.FAR_FORWARD,
             Act.USE_LARGEST,
@@ -181,6 +185,8 @@ def success(task, file):
             return Exported(0, "a.npz", b"1")
         case CheckMotion():
             return Checked(0, CERTIFICATE)
+        case RepairMotion(motion=motion):
+            return Repaired(0, repair_of(motion))
         case FindLargest(jump=jump, towards=towards):
             return FoundLargest(0, largest(jump, towards))
 
@@ -286,6 +292,7 @@ class AnyEvents(RuleBasedStateMachine):
             self.state.files.saving,
             self.state.check and self.state.check.ticket,
             self.state.far and self.state.far.ticket,
+            self.state.foreign and self.state.foreign.ticket,
             *(
                 each.ticket
                 for comparing in [self.state.comparing]
@@ -348,6 +355,10 @@ class AnyEvents(RuleBasedStateMachine):
         if state.far is not None and state.far.running:
             assert any(submit.ticket == state.far.ticket for submit in self.running)
             assert state.far.is_of(state.design)
+        if state.foreign is not None:
+            assert any(pin.motion is state.foreign.motion for pin in state.pins)
+            if state.foreign.ticket:
+                assert any(submit.ticket == state.foreign.ticket for submit in self.running)
         if state.check is not None and state.check.certificate is None:
             assert state.check.ticket or state.check.note.startswith("Not checked")
         if state.files.opening or state.files.saving:
