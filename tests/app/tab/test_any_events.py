@@ -7,14 +7,8 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.link import (
-    ComparisonClosed,
-    ExportChosen,
-    PageReady,
-    PlayerMoved,
-    PushDragged,
-    RepairAsked,
-)
+from app import link
+from app.link import ComparisonClosed, ExportChosen, PageReady, PlayerMoved, PushDragged
 from app.motion.colours import PINNED
 from app.panel.acts import Act
 from app.panel.file_controls import FileChoice
@@ -114,7 +108,7 @@ WISHES = st.one_of(
             Act.COMPARE_ARMS,
             Act.COMPARE_DRIVES,
             ComparisonClosed(),
-            RepairAsked(),
+            link.RepairAsked(),
             Act.FAR_TWIST,
             Act.FAR_FORWARD,
             Act.USE_LARGEST,
