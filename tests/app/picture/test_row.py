@@ -96,6 +96,18 @@ def test_what_one_lands_on_stands_at_its_side_too():
     assert aside[[0, 2]] == pytest.approx(own[[0, 2]])
 
 
+def test_one_that_begins_far_away_is_brought_beside():
+    motion = planned(twist=0.3)
+    frames, away = motion.frames, np.array([3.0, 1.0, 0.0])
+    states = replace(frames.motion, com=frames.com + away)
+    frames = replace(frames, motion=states, body_position=frames.body_position + away)
+    far = replace(motion, frames=frames)
+    clip = Scene(RecordedClient()).draw(row_of(far, planned()))
+    apart = way_of(clip, "/row/0-1/base")[0] - way_of(clip, "/links/base")[0]
+    assert apart[[0, 2]] == pytest.approx(0, abs=0.02)
+    assert apart[1] < -0.7
+
+
 def test_a_row_that_goes_is_hidden_and_found_again():
     client = RecordedClient()
     scene, shown = Scene(client), row_of(planned(twist=0.3), planned())

@@ -5,10 +5,18 @@ from dataclasses import replace
 import pytest
 
 import llsrbm
-from app.workers.tasks import ExportMotion, FindLargest, OpenFile, PlanJump, SimulateJump
+from app.workers.tasks import (
+    CheckForeign,
+    ExportMotion,
+    FindLargest,
+    OpenFile,
+    PlanJump,
+    RepairMotion,
+    SimulateJump,
+)
 from app.workers.worker import LibraryPlanner
 from llsrbm.certified_plan import CertifiedPlanner
-from llsrbm.errors import UnusableStart
+from llsrbm.errors import Cancelled, UnusableStart
 from llsrbm.largest_jump import Largest
 from llsrbm.ocp.horizon import Iterate
 from llsrbm.planning.answer import planner as planner_module
@@ -19,6 +27,7 @@ from llsrbm.request.route import Landing
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
+from tests.app.planners import turning_states
 from tests.app.synthetic_plan import synthetic_plan
 
 JUMP = Jump(twist=0.5)
@@ -204,3 +213,26 @@ def test_solvers_that_plan_anew_are_announced_where_they_are_needed(called):
         planner.simulate(task, lambda text, **_: told.append(text), lambda *_: None, never)
     (line,) = told
     assert line.startswith("building the solvers that plan anew, for ANYmal B by LL-SRBM+")
+
+
+# ---- motions of other tools
+
+
+def test_another_tools_motion_is_checked_as_by_the_command():
+    states, said = turning_states("go2"), []
+    found = LibraryPlanner().check(CheckForeign(states), said.append)
+    assert found == llsrbm.certify(states.motion())
+    assert said == ["checking the motion at 1 kHz"]
+
+
+def test_a_repair_without_a_flight_is_an_answer_and_says_why():
+    states = turning_states("go2", seconds=0.4)  # it stands
+    found = LibraryPlanner().repair(RepairMotion(states), silent, never)
+    assert (found.status, found.plan) == ("failed", None)
+    assert found.why == "No foot leaves the ground for a flight of all feet."
+    assert found.before == llsrbm.certify(states.motion())
+
+
+def test_a_repair_is_cancelled():
+    with pytest.raises(Cancelled):
+        LibraryPlanner().repair(RepairMotion(turning_states("go2")), silent, lambda: True)
