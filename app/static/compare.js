@@ -2,7 +2,7 @@
 // tried it says how far they are; then one sentence on who turned how far, and a table of figures. The
 // same card is that of a motion of another tool: which checks it breaks, and its repair beside it.
 (() => {
-  const { page, element, swatch, addToPage } = window.llsrbm;
+  const { page, element, swatch, write, addToPage } = window.llsrbm;
   const COMPARES = "data-llsrbm-compares"; // of the page, while the card is there
   const HIGH = 1000; // pixels of a window from which on the table is open at first
 
@@ -36,6 +36,7 @@
       [${COMPARES}] [data-llsrbm-sheet] { max-height: 24vh !important; } }`;
 
   const close = () => page.send({ kind: "comparison-closed" });
+  let last = ""; // what is shown but for the progress, which comes many times a second
   let open = null; // whether the table is, once it was opened or closed by hand
 
   const way = ({ name, colour, state }) =>
@@ -76,8 +77,11 @@
     show(comparison) {
       card.style.display = comparison ? "" : "none";
       document.documentElement.toggleAttribute(COMPARES, Boolean(comparison));
+      const { note, ...others } = comparison ?? {}, before = last;
+      last = comparison ? JSON.stringify(others) : "";
       if (!comparison) return card.replaceChildren();
-      const { ways, note, sentence, rows, repair } = comparison;
+      if (last === before) return write(card.querySelector("p"), others.sentence || note);
+      const { ways, sentence, rows, repair } = others;
       card.classList.toggle("of-file", repair !== undefined);
       card.replaceChildren(
         element("ul", { class: "ways", "aria-label": "Compared, from left to right" },

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from app.motion import colours
 from app.motion.baked import ForeignMotion
@@ -13,6 +13,9 @@ from llsrbm.look.palette import css
 from llsrbm.motion.plan import Plan
 from llsrbm.repairing.result import FAILED, Repair
 from llsrbm.repairing.wording import check_rows, checked_sentence, repair_sentences
+
+Offer = Literal["", "waits", "ready"]
+"""Whether there is a motion to be repaired, and whether that can be begun by now."""
 
 CHECKING = "Checking the motion at 1 kHz ..."
 
@@ -40,19 +43,22 @@ class Foreign:
         repair = self.repair
         return None if repair is None or repair.status == FAILED else repair.plan
 
+    @property
+    def hopeless(self) -> bool:
+        """Whether it was found that it cannot be repaired."""
+        return self.repair is not None and self.plan is None
+
     def is_shown(self, plan: Plan | None) -> bool:
         """Whether the plan that is shown is the repaired motion."""
         return plan is not None and plan is self.plan
 
 
-def card(foreign: Foreign, *, repaired: bool, repairing: bool, offered: bool) -> dict[str, Any]:
+def card(foreign: Foreign, *, repaired: bool, repairing: bool, offer: Offer) -> dict[str, Any]:
     """For the page (static/compare.js): which checks are broken, and after a repair.
 
-    `repaired`: the plan that is shown is the repaired motion; `repairing`: a repair is under way;
-    `offered`: one can be begun.
+    `repaired`: the plan that is shown is the repaired motion; `repairing`: a repair is under way.
     """
-    repair, name = foreign.repair, foreign.motion.name
-    hopeless = repair is not None and foreign.plan is None
+    name = foreign.motion.name
     note = CHECKING if foreign.ticket else ""
     if repairing:
         note = f"Repairing {foreign.progress or '...'}"
@@ -65,9 +71,9 @@ def card(foreign: Foreign, *, repaired: bool, repairing: bool, offered: bool) ->
             for each, tint in names.items()
         ],
         "note": note,
-        "sentence": "" if note else _sentence(foreign, ended=repaired or hopeless),
+        "sentence": "" if note else _sentence(foreign, ended=repaired or foreign.hopeless),
         "rows": [{"title": title, "values": values} for title, values in _rows(foreign, repaired)],
-        "repair": "" if repaired or hopeless else "ready" if offered else "waits",
+        "repair": offer,
     }
 
 

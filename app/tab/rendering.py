@@ -31,7 +31,7 @@ from app.tab.foreign import card as repair_card
 from app.tab.planning.feasible import Tint
 from app.tab.plotting import layers_of, titles
 from app.tab.pushing import push_shown
-from app.tab.repairing import can_be_repaired
+from app.tab.repairing import offer
 from app.tab.routing import DRAWING
 from app.tab.shaping import handles_of
 from app.tab.simulating import status_of
@@ -177,11 +177,10 @@ class Rendering:
             if self._changed("card", state.comparing):
                 self._link.call("compare.show", card(state.comparing))
             return
-        offered, repaired = can_be_repaired(state), foreign.is_shown(state.plan)
-        if self._changed("card", (foreign, repaired, state.repairing, offered)):
-            words = repair_card(
-                foreign, repaired=repaired, repairing=state.repairing, offered=offered
-            )
+        repaired, repairing = foreign.is_shown(state.plan), state.repairing
+        offered = offer(state)
+        if self._changed("card", (foreign, repaired, repairing, offered)):
+            words = repair_card(foreign, repaired=repaired, repairing=repairing, offer=offered)
             self._link.call("compare.show", words)
 
     # ---- picture

@@ -8,7 +8,7 @@ from app.panel import summaries
 from app.panel.status import Verdict
 from app.tab.acts import Step, also, on, submit, submit_beside
 from app.tab.effects import Play, Queue, Reported, Seek
-from app.tab.foreign import Foreign
+from app.tab.foreign import Foreign, Offer
 from app.tab.planning.known import show_again
 from app.tab.planning.requests import remember
 from app.tab.showing import ended, show_plan
@@ -18,7 +18,7 @@ from app.workers.opened_file import States
 from llsrbm.errors import Error
 from llsrbm.motion.plan import Plan
 from llsrbm.repairing.before import motion_before
-from llsrbm.repairing.result import Repair
+from llsrbm.repairing.result import FAILED, Repair
 from llsrbm.request.design import Design, dump_design
 
 _LANE = 1  # of checks: beside that of the motion that is shown
@@ -58,20 +58,22 @@ def _states(motion: ForeignMotion) -> States:
 # ---- the repair
 
 
-def can_be_repaired(state: TabState) -> bool:
-    """Whether a repair can be begun: of the present robot, and nothing is being planned."""
+def offer(state: TabState) -> Offer:
+    """Whether a press has the motion repaired by now: it is of the present robot, and not yet."""
     foreign = state.foreign
-    if foreign is None or not state.ready or state.planning or state.repairing:
-        return False
-    checked = not foreign.ticket and (foreign.repair is None or foreign.plan is not None)
-    return checked and foreign.robot == state.design.jump.robot
+    if foreign is None or foreign.hopeless or foreign.is_shown(state.plan):
+        return ""
+    if foreign.robot != state.design.jump.robot:
+        return ""
+    waits = foreign.ticket or state.repairing or state.planning or not state.ready
+    return "waits" if waits else "ready"
 
 
 @on(RepairAsked)
 def repair(state: TabState, _: RepairAsked) -> Step:
     """Repair the motion that is open; one that was repaired already is shown again."""
     foreign = state.foreign
-    if foreign is None or not can_be_repaired(state):
+    if foreign is None or offer(state) != "ready":
         return state, ()
     if foreign.plan is not None:
         return _show(state, foreign.plan)
@@ -102,16 +104,16 @@ def take_repair(state: TabState, event: Reported) -> Step:
 def _take(state: TabState, foreign: Foreign, found: Repair) -> Step:
     """The repair is there: the motion before stands beside its plan, cut to what was repaired."""
     name, before = foreign.motion.name, foreign.motion
-    foreign = replace(foreign, repair=found, before=found.before)
-    plan, why = foreign.plan, found.why
-    if plan is not None:
+    if found.plan is not None:
         try:
-            dump_design(Design(plan.jump, plan.tuning))  # as it is kept and shared
+            dump_design(Design(found.plan.jump, found.plan.tuning))  # as it is kept and shared
         except Error as error:
-            plan, why = None, str(error)
+            found = replace(found, status=FAILED, why=f"{error}.")
+    foreign = replace(foreign, repair=found, before=found.before)
+    plan = foreign.plan
     if plan is None:
         state = replace(state, foreign=foreign)
-        return ended(state, reports.Failed(0, f"{name} was not repaired. {why}"), _KEPT), ()
+        return ended(state, reports.Failed(0, f"{name} was not repaired. {found.why}"), _KEPT), ()
     part = bake_foreign(name, motion_before(before.motion, found))
     pins = tuple(replace(pin, motion=part) if pin.motion is before else pin for pin in state.pins)
     state = replace(state, foreign=replace(foreign, motion=part), pins=pins)

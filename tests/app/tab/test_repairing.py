@@ -13,7 +13,7 @@ from app.tab.acts import is_visible
 from app.tab.effects import Play, Queue, Seek, Stop, Submit
 from app.tab.files import FileChosen
 from app.tab.foreign import card
-from app.tab.repairing import can_be_repaired
+from app.tab.repairing import offer
 from app.tab.start.opening import left, resume
 from app.workers.opened_file import OpenedFile
 from app.workers.reports import Cancelled, Checked, Failed, Opened, Progress, Repaired
@@ -54,7 +54,7 @@ def words(tab):
         state.foreign,
         repaired=state.foreign.is_shown(state.plan),
         repairing=state.repairing,
-        offered=can_be_repaired(state),
+        offer=offer(state),
     )
 
 
@@ -189,8 +189,18 @@ def test_another_request_ends_the_repair(checked):
 def test_another_robots_motion_is_not_repaired(checked):
     checked.move(robot="go2")
     checked.settle()
-    assert words(checked)["repair"] == "waits"
+    assert words(checked)["repair"] == ""
     assert checked.take(RepairAsked()) == ()
+
+
+def test_numbers_that_no_design_may_have_are_no_repair(checked):
+    found = repair_of(STATES)
+    far = replace(found.plan, jump=replace(found.plan.jump, twist=1e6))
+    checked.take(RepairAsked())
+    checked.report(Repaired(0, replace(found, plan=far)))
+    assert checked.state.status.verdict is Verdict.FAILED
+    assert "twist: expected" in words(checked)["sentence"]
+    assert words(checked)["repair"] == ""
 
 
 def test_it_is_closed_with_its_card_or_its_pin(checked):
