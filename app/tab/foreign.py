@@ -44,6 +44,11 @@ class Foreign:
         return None if repair is None or repair.status == FAILED else repair.plan
 
     @property
+    def repaired_name(self) -> str:
+        """Name of the plan in place of it."""
+        return f"{self.motion.name}, repaired"
+
+    @property
     def hopeless(self) -> bool:
         """Whether it was found that it cannot be repaired."""
         return self.repair is not None and self.plan is None
@@ -62,7 +67,7 @@ def card(foreign: Foreign, *, repaired: bool, repairing: bool, offer: Offer) -> 
     note = CHECKING if foreign.ticket else ""
     if repairing:
         note = f"Repairing {foreign.progress or '...'}"
-    names = {f"Before: {name}": foreign.colour, "After": colours.PLANNED}
+    names = {f"Before: {name}": foreign.colour, f"After: {foreign.repaired_name}": colours.PLANNED}
     if not repaired:
         names = {name: foreign.colour}
     return {

@@ -24,8 +24,11 @@ from llsrbm.robots import RobotFile
 
 
 def titles(state: TabState) -> tuple[str, ...]:
-    """Names of the design that is shown, and of what is pinned: by what they differ."""
-    shown = state.shown
+    """Names of the design that is shown, and of what is pinned: by what they differ.
+
+    A repaired motion has its file's, as long as it is shown.
+    """
+    shown, foreign = state.shown, state.foreign
     assert shown is not None
     known = [
         decisions_of(shown.rollout or shown.plan),
@@ -35,6 +38,8 @@ def titles(state: TabState) -> tuple[str, ...]:
         titles_of([(_titled(jump, state.robots), tuning, scene) for jump, tuning, scene in known])
     )
     first = next(found)
+    if foreign is not None and foreign.is_shown(shown.plan):
+        first = foreign.repaired_name
     names = [
         pin.motion.name if isinstance(pin.motion, ForeignMotion) else next(found)
         for pin in state.pins

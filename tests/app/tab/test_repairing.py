@@ -13,6 +13,7 @@ from app.tab.acts import is_visible
 from app.tab.effects import Play, Queue, Seek, Stop, Submit
 from app.tab.files import FileChosen
 from app.tab.foreign import card
+from app.tab.plotting import titles
 from app.tab.repairing import offer
 from app.tab.start.opening import left, resume
 from app.workers.opened_file import OpenedFile
@@ -130,8 +131,12 @@ def test_it_is_the_pages_plan_beside_what_it_was(repaired):
     assert (pin.motion, pin.colour) == (state.foreign.motion, PINNED[0])
     part = pin.motion.motion  # from where its repair begins, in the plan's frame
     assert part.time[[0, -1]] == pytest.approx([0.0, 1.4])
+    assert titles(state) == ("turn.csv, repaired", "turn.csv")
     shown = words(repaired)
-    assert [way["name"] for way in shown["ways"]] == ["Before: turn.csv", "After"]
+    assert [way["name"] for way in shown["ways"]] == [
+        "Before: turn.csv",
+        "After: turn.csv, repaired",
+    ]
     assert shown["sentence"] == (
         f"Before, in the file's own time: 1 of 3 checks broken (1 not known): {BROKEN}. "
         "After: all 3 checks hold. "

@@ -49,7 +49,7 @@ def test_a_dropped_motion_is_repaired_and_stands_beside_its_plan(browser, design
     after = "After: all 3 checks hold. Moved: joints 0.052 rad (rms), base 3.4 cm (rms)"
     card.locator("p").filter(has_text=after).wait_for()
     names = card.get_by_role("list").locator("li").all_inner_texts()
-    assert names == ["Before: turn.csv", "After"]
+    assert names == ["Before: turn.csv", "After: turn.csv, repaired"]
     assert repair.count() == 0
     status(page, "Feasible")
     repaired = page.session.state.plan
