@@ -27,6 +27,7 @@ from app.link import (
     PlaybackChosen,
     PlayerMoved,
     PushDragged,
+    RepairAsked,
     read_event,
 )
 from app.motion.clip import Clip
@@ -62,6 +63,7 @@ LIKELY = st.fixed_dictionaries(
         ({"kind": "pin", "act": "unpin", "index": 1}, PinPressed("unpin", 1)),
         ({"kind": "certificate"}, CertificateAsked()),
         ({"kind": "beside", "on": True}, BesideChosen(True)),
+        ({"kind": "repair"}, RepairAsked()),
         ({"kind": "chart", "chart": None, "onto": "Yaw"}, ChartDropped(None, "Yaw")),
         (
             {

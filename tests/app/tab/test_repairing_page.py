@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from tests.app.axe import findings
 from tests.app.chromium import drop, press, settled, status
 from tests.app.legibility import unreadable
 from tests.app.planners import turning_states
@@ -43,6 +44,7 @@ def test_a_dropped_motion_is_repaired_and_stands_beside_its_plan(browser, design
     without_note(page)
     page.wait_for_function("__viserMutable.nodePoseData['/row/0-1/base']")
     assert unreadable(page) == []
+    assert findings(page) == []
     repair = page.get_by_role("button", name="Repair", exact=True)
     repair.focus()
     page.keyboard.press("Enter")
@@ -60,6 +62,7 @@ def test_a_dropped_motion_is_repaired_and_stands_beside_its_plan(browser, design
         settled(page)
         without_note(page)
         assert unreadable(page) == []
+    assert findings(page) == []
     page.set_viewport_size({"width": 1280, "height": 800})
     press(page, "Undo")
     repair.wait_for()
