@@ -111,7 +111,9 @@ def test_beside_a_servers_motion_its_robots_example_is_planned():
     tab.take(TabOpened(file=OpenedFile("turn.csv", turning_states("go2"))))
     assert len(tab.state.pins) == 1
     assert tab.state.design == example_design(ROBOTS["go2"])
-    assert tab.one.task == Prepare("go2")
+    check, prepare = (submit.task for submit in tab.of(Submit))
+    assert check.motion.robot == "go2"
+    assert prepare == Prepare("go2")
 
 
 # ---- coming back
