@@ -85,7 +85,12 @@ def card(foreign: Foreign, *, repaired: bool, repairing: bool, offer: Offer) -> 
 def _sentence(foreign: Foreign, *, ended: bool) -> str:
     if ended and foreign.repair is not None:
         return repair_sentences(foreign.repair)
-    return foreign.why_not if foreign.before is None else checked_sentence(foreign.before)
+    if foreign.before is None:
+        return foreign.why_not
+    # What is drawn was cut by its repair, and has another time since.
+    cut = foreign.repair is not None and foreign.before.broken
+    when = "In the file's own time: " if cut else ""
+    return f"{when}{checked_sentence(foreign.before)}"
 
 
 def _rows(foreign: Foreign, repaired: bool) -> list[tuple[str, tuple[str, ...]]]:

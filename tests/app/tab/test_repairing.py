@@ -153,6 +153,7 @@ def test_it_is_undone_and_done_again_without_a_second_repair(repaired):
     assert repaired.state.plan is not plan
     assert words(repaired)["repair"] == "ready"
     assert [way["name"] for way in words(repaired)["ways"]] == ["turn.csv"]
+    assert words(repaired)["sentence"].startswith("In the file's own time: 1 of 3 checks broken")
     repaired.take(Act.REDO)
     assert repaired.state.plan is plan
     repaired.take(Act.UNDO)
