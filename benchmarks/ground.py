@@ -125,9 +125,10 @@ def main(
     results, table = [], []
     for robot in robots.split(","):
         for kind in kinds.split(","):
-            rows = [one(robot, kind, seed, index) for index in range(requests)]
-            for row in rows:
-                typer.echo(json.dumps(row))
+            rows = []
+            for index in range(requests):
+                rows.append(one(robot, kind, seed, index))
+                typer.echo(json.dumps(rows[-1]))
             results += rows
             planned = [row for row in rows if row["planned"]]
             held = [row for row in planned if row["certified"]]
