@@ -19,7 +19,7 @@ from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement, JumpType, load_type
 from llsrbm.request.jump_types import names as jump_types
-from llsrbm.request.route import FURTHEST, Landing
+from llsrbm.request.route import FURTHEST, Landing, waypoints
 from llsrbm.request.slopes import gradient, leaning, slopes_of
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots.robot import Robot
@@ -269,6 +269,12 @@ def _headings(robot: Robot) -> Array:
 
 def describe(jump: Jump) -> str:
     """A request in words, for messages."""
+    if jump.route:
+        end = waypoints(jump.route)[-1]
+        return (
+            f"a route of {len(jump.route)} landings to ({end.x:.2f}, {end.y:.2f}, {end.z:.2f}) m, "
+            f"{np.degrees(end.heading):.0f} deg, {jump.model}"
+        )
     return (
         f"twist {np.degrees(jump.twist):g} deg, forward {jump.forward:g} m, "
         f"lateral {jump.lateral:g} m, height {jump.height:g} m, {jump.model}"

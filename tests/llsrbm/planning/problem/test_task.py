@@ -10,7 +10,7 @@ from llsrbm.errors import InputError
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.parameters import parameters
-from llsrbm.planning.problem.placement import check_turns, make_task
+from llsrbm.planning.problem.placement import check_turns, describe, make_task
 from llsrbm.request.jump import Jump
 from llsrbm.robots import load_robot
 from tests.llsrbm.robots.edited import rolling
@@ -106,3 +106,10 @@ def test_whole_turns_are_those_of_the_robots_file(tmp_path):
         check_turns(jump, load_robot("go2"))
     flip = replace(jump, type="flip", roll=0.0, pitch=2 * np.pi)
     check_turns(flip, load_robot("go2"))
+
+
+def test_a_request_in_words_is_its_jump_or_where_its_route_leads():
+    assert describe(Jump(twist=np.pi / 2, forward=0.3)).startswith("twist 90 deg, forward 0.3 m,")
+    route = [{"forward": 0.3, "twist": np.pi / 2}, {"forward": 0.2, "height": 0.1}]
+    said = describe(Jump(robot="go2", route=route))
+    assert said == "a route of 2 landings to (0.30, 0.20, 0.10) m, 90 deg, llsrbm-plus"
