@@ -19,9 +19,9 @@ from llsrbm.robots.schema import Reach
 
 _HALVINGS = 12  # of the way to where a foot shall land: to less than a millimetre of a metre
 # Shares of the plane nearest to the feet that a body follows; the legs do the rest. Of pairs and
-# single feet 6 to 24 cm up, and of four feet at random within 10 cm, the legs of five quadrupeds
+# single feet 6 to 24 cm up, and of four feet at random within 10 cm, the legs of six quadrupeds
 # reach most by these: a body that leans all the way has its legs aslant below it.
-RISE = 0.5
+RISE = 0.65
 LEAN = 0.4
 _SLACK = 1e-6  # m, of a robot's own posture that lies on a bound
 

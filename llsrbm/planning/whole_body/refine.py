@@ -125,8 +125,9 @@ class Refiner:
         nearby = self.nearby(task.jump, task.tuning)
         if nearby is None:
             return None
-        found = self.beside(task, nearby, watch)
-        if not found.refined and task.jump != task.jump.on_ground(0.0):
+        uneven = task.jump != task.jump.on_ground(0.0)
+        found = self.beside(task, nearby, watch, alone=uneven)
+        if uneven and not found.refined:
             found = self._gradually(task, nearby, watch)
         return found if found.refined else None
 
@@ -141,8 +142,10 @@ class Refiner:
             nearby = self.solution
         return found
 
-    def beside(self, task: Task, nearby: Iterate, watch: Watch) -> Plan:
+    def beside(self, task: Task, nearby: Iterate, watch: Watch, *, alone: bool = False) -> Plan:
         """The whole body's plan, begun from the solution of a jump nearby, without a draft.
+
+        `alone`: see `Rounds.follow`.
 
         Where it is not found (`Plan.refined`) it has no knots.
 
@@ -153,7 +156,7 @@ class Refiner:
         plan = unplanned(task, self.robot, self.solver.name)
         watch.begin("the whole body's dynamics, from jumps nearby")
         rounds = self._rounds(plan, watch)
-        rounds.follow(self._beside(nearby, plan), nearby)
+        rounds.follow(self._beside(nearby, plan), nearby, alone=alone)
         return self._ended(rounds, plan, called)
 
     def _rounds(self, plan: Plan, watch: Watch) -> Rounds:

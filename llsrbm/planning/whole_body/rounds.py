@@ -86,13 +86,14 @@ class Rounds:
             if self.solved:
                 break
 
-    def follow(self, start: Start, begun: Iterate) -> None:
+    def follow(self, start: Start, begun: Iterate, *, alone: bool = False) -> None:
         """Follow from what is near the solution; `start`: of its motion.
 
-        Where that leads nowhere the interior-point solver begins there: of 10 of Go2's requests
-        that its table did not lead to, 8 are found so, in 13 to 53 iterations.
+        Where that leads nowhere the interior-point solver begins there, unless it is to be followed
+        `alone`: of 10 of Go2's requests that its table did not lead to, 8 are found so, in 13 to 53
+        iterations.
         """
-        for options in ((begun,), (BESIDE,)):
+        for options in ((begun,),) if alone else ((begun,), (BESIDE,)):
             self._from(start, begun.variables, options, MOST_FOLLOWED)
             if self.solved:
                 break

@@ -32,7 +32,7 @@ def test_that_foot_alone_lands_elsewhere_as_the_robot_looks_that_lands(jump):
     np.testing.assert_allclose(other.contacts - last.contacts, away, atol=1e-12)
     for before, after in zip(plain.places[:-1], moved.places[:-1], strict=True):
         np.testing.assert_array_equal(before.feet, after.feet)
-    # A quarter of the one foot's height is the plane's above the middle, half of it the body's.
+    # A quarter of the one foot's height is the plane's above the middle, and the body takes its share.
     rises = moved.goal_position - plain.goal_position
     np.testing.assert_allclose(rises, [0.0, 0.0, RISE * ASIDE["RF"][2] / 4], atol=5e-4)
 
@@ -54,7 +54,7 @@ def test_a_body_leans_part_of_the_way_with_its_feet(twist):
     assert not moved.places[-1].tilt.any()  # every step is level
 
 
-def test_stones_of_one_height_are_a_landing_of_half_that_height_for_the_body():
+def test_over_stones_of_one_height_the_body_takes_its_share_of_it():
     stones = dict.fromkeys(ROBOT.leg_names, (0.0, 0.0, 0.05))
     moved, plain = (make_task(Jump(stones=each), ROBOT) for each in (stones, {}))
     np.testing.assert_allclose(moved.goal_quat, plain.goal_quat, atol=1e-12)
@@ -88,7 +88,7 @@ def test_corners_of_a_sole_move_with_it():
     [
         ({"FL": (0.1, 0.0)}, 'stones: anymal has no leg "FL"; valid: LF, RF, LH, RH'),
         ({"LF": (0.3, 0.0)}, r"LF would stand 0\.583 m from its hip.* expected 0\.26 to 0\.52 m"),
-        ({"LH": (0.0, 0.0, 0.3)}, r"[LR]H would stand .* as far as legs of anymal reach"),
+        ({"LH": (0.0, 0.0, 0.3)}, r"would stand .* as far as legs of anymal reach"),
         (
             {"LF": (0.0, -0.2), "RF": (0.0, 0.2)},
             r"LF and RF would stand 0\.\d+ m apart; expected at least 0\.12 m",
