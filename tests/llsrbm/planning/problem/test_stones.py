@@ -32,7 +32,7 @@ def test_that_foot_alone_lands_elsewhere_as_the_robot_looks_that_lands(jump):
     np.testing.assert_allclose(other.contacts - last.contacts, away, atol=1e-12)
     for before, after in zip(plain.places[:-1], moved.places[:-1], strict=True):
         np.testing.assert_array_equal(before.feet, after.feet)
-    # A quarter of the one foot's height is the plane's above the middle, and the body takes its share.
+    # A quarter of the one foot's height is the plane's above the middle; the body takes its share.
     rises = moved.goal_position - plain.goal_position
     np.testing.assert_allclose(rises, [0.0, 0.0, RISE * ASIDE["RF"][2] / 4], atol=5e-4)
 
