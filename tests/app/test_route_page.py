@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from llsrbm.request.route import waypoints
-from tests.app.chromium import PACE, PIXELS, fill, paused_at, press, tab, unfold
+from tests.app.chromium import PACE, PIXELS, at_rest, fill, paused_at, press, tab, unfold
 from tests.app.waits import wait_until
 
 ORIGIN = ""  # the scene's root: points of the world
@@ -54,6 +54,7 @@ def test_a_route_is_clicked_dragged_typed_and_undone(page):
     assert len(places(page)) == 3
     assert page.locator("ol[aria-label=Landings] li").all_inner_texts()[0] == "40 cm forward"
     moved = places(page)[1]
+    at_rest(page)  # the camera is where it stays
     start, end = pixel(page, *moved), pixel(page, moved[0] + 0.05, moved[1])
     arrow = pixel(page, moved[0] + 0.3, moved[1])
     page.mouse.move(*arrow)
