@@ -9,8 +9,8 @@
   const FINEST = 1, COARSEST = 0.45; // pixels a CSS pixel without a graphics processor
   const WINDOW = 12; // frames between decisions about the resolution
   const HURRIED = 0.35; // pixels a CSS pixel while clips come in a hurry
-  const HURRY = 700; // ms; clips that come faster are drawn coarsely, and without a graphics
-  const SPARING = 250; // ms; processor no oftener than this,
+  const HURRY = 700; // ms after a slider's last step, or between two clips: drawn coarsely, and
+  const SPARING = 250; // ms; without a graphics processor no oftener than this,
   const FRESH = 50; // ms; but for a moment after each clip
   const ABOVE = "/push/"; // nodes below are drawn over all else: arrows that begin in a robot
 
@@ -21,7 +21,7 @@
   let last = null, settleUntil = 0, requested = false;
   let reportedAt = -Infinity, reportLater = null;
   let resolution = FINEST, frames = 0, spent = 0, drawn = 0;
-  let hurry = false, sparedAt = -Infinity;
+  let hurry = false, hurriedAt = -Infinity, sparedAt = -Infinity;
   let loadedAt = -Infinity, applied = null, seen = null;
 
   // Names of the fields of viser's that are missing.
@@ -133,7 +133,7 @@
       if (!hurry) adapt(step);
     }
     spare(now);
-    if (hurry && now - loadedAt > HURRY) {
+    if (hurry && now - hurriedAt > HURRY) {
       hurry = false;
       if (playing) draw(resolution);
     }
@@ -157,10 +157,17 @@
     return [from, time > to ? clip.end : Math.min(to, clip.end)];
   }
 
+  // A jump is on its way that is planned on the same processor: that is worth more than the picture.
+  function hasten() {
+    hurriedAt = performance.now();
+    if (!hurry) draw(HURRIED);
+    hurry = true;
+    settle();
+  }
+
   function spare(now) {
-    const hurried = now - loadedAt < HURRY && hurry;
     llsrbm.skips =
-      llsrbm.software && hurried && now - loadedAt > FRESH && now - sparedAt < SPARING;
+      llsrbm.software && hurry && now - loadedAt > FRESH && now - sparedAt < SPARING;
     if (!llsrbm.skips) sparedAt = now;
   }
 
@@ -249,6 +256,17 @@
     for (const listener of listeners) listener();
   }
 
+  // Steps of a slider, by hand and by keys.
+  const SLIDER = ".mantine-Slider-root";
+  let dragged = false;
+  window.addEventListener("pointerdown", ({ target }) => {
+    dragged = Boolean(target.closest?.(SLIDER));
+  }, true);
+  window.addEventListener("pointermove", ({ buttons }) => dragged && buttons && hasten(), true);
+  window.addEventListener("keydown", ({ target, key }) => {
+    if (key.startsWith("Arrow") && target.closest?.(SLIDER)) hasten();
+  }, true);
+
   llsrbm.require(lacks);
 
   llsrbm.player = {
@@ -256,8 +274,7 @@
       clip = decode(header, blob);
       time = Math.min(time, clip.end);
       const now = performance.now();
-      hurry = now - loadedAt < HURRY;
-      if (hurry) draw(HURRIED);
+      if (now - loadedAt < HURRY) hasten();
       loadedAt = now;
       llsrbm.skips = false;
       // Loaded within a frame of viser's, before it moves its nodes: they are drawn in this frame.

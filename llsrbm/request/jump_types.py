@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import groupby
 from pathlib import Path
 from typing import Annotated, Any, Literal, Protocol
@@ -177,7 +177,7 @@ class JumpType(Table):
 
 def names() -> dict[str, JumpType]:
     """The presets: name -> type, the default first."""
-    found = {path.stem: load_type(path.stem) for path in sorted(_directory().glob("*.toml"))}
+    found = {name: _current(path) for name, path in _presets().items()}
     return {PLAIN: found.pop(PLAIN), **found}
 
 
@@ -185,7 +185,7 @@ def load_type(name: str) -> JumpType:
     """A preset by its name, or a file by its path. Raises `InputError`: no such preset or file, or
     not a jump type; one line.
     """
-    presets = {path.stem: path for path in _directory().glob("*.toml")}
+    presets = _presets()
     if name in presets:
         return _current(presets[name])
     path = Path(name)
@@ -236,8 +236,10 @@ def with_defaults(jump: Jump, given: Collection[str] = ()) -> Jump:
     return replace(jump, **silent)
 
 
-def _directory() -> Path:
-    return assets_directory() / "jump_types"
+@cache
+def _presets() -> Mapping[str, Path]:
+    """Name -> file, by name. Kept: the page asks at each step of a slider."""
+    return {path.stem: path for path in sorted((assets_directory() / "jump_types").glob("*.toml"))}
 
 
 def _current(path: Path) -> JumpType:

@@ -6,6 +6,7 @@ The nearest one, in whole steps and with its reasons, is looked for once the sli
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from llsrbm.arrays import Array
@@ -33,15 +34,23 @@ MAX_SHIFTS_TURNING = 3
 MAX_TRIES = 3  # solutions, each with what the whole body says of the one before; most need one
 
 
-def with_bounds_nearby(formulation: Formulation, task: Task, jump: Jump, solution: Iterate) -> Task:
+def with_bounds_nearby(
+    formulation: Formulation,
+    task: Task,
+    jump: Jump,
+    solution: Iterate,
+    known: Iterable[Attempt] = (),
+) -> Task:
     """A task, with what the whole body says of the solution of a jump nearby in its bounds.
 
     Where that one meets a limit, so will this: without it every step of a slider would be solved,
-    checked and solved again.
+    checked and solved again. `known`: attempts, one of which may have that solution.
     """
     shifted = retargeted(task, jump)
+    if jump.turns:
+        known = ()  # where its feet are depends on the task, too
     for _ in range(MAX_SHIFTS_TURNING if jump.turns else 1):
-        shifted = formulation.with_bounds_of_start(shifted, solution)
+        shifted = formulation.with_bounds_of_start(shifted, solution, known)
     return replace(
         task,
         agreed_bounds=shifted.agreed_bounds,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
@@ -40,6 +41,7 @@ _log = logging.getLogger(__name__)
 FOLLOWED = "from the last plan"
 BY_NEARER = "by way of nearer jumps"
 NOT_TRIED = "as the nearest jump"  # the motion of that one, where the request itself was not tried
+KEPT = 3  # plans' attempts: a slider's step begins from the plan shown, which need not be the last
 # From a guess, where the nearest jump is looked for next: of ANYmal's uniform requests nine in ten
 # are planned by then, of other robots' 98 in 100.
 FROM_GUESS_FIRST = replace(solvers.FROM_GUESS, iterations=35)
@@ -78,6 +80,7 @@ class Planner:
             robot, made, layout, cached_solver(kind, of_jumps(made, layout, robot))
         )
         self.last: Attempt | None = None
+        self._found = deque[Attempt](maxlen=KEPT)
 
     @property
     def solvers(self) -> tuple[solvers.Solver, ...]:
@@ -190,7 +193,7 @@ class Planner:
         form, tried = self.formulation, list[Attempt]()
         start = usable_start(near, form)
         watch.begin(f"attempt 1: {FOLLOWED}")
-        bounded = with_bounds_nearby(form, task, near.jump, start)
+        bounded = with_bounds_nearby(form, task, near.jump, start, self._found)
         if not near.is_nearest:
             attempt = form.reconciled(form.follow(bounded, start, watch), watch, hurried=True)
             if attempt.solved:
@@ -218,6 +221,8 @@ class Planner:
             at_request = [self._not_tried(task, nearest.plain)]
         best, whole = best_of(at_request), any(attempt.solved for attempt in at_request)
         self.last = best if whole else None
+        if whole:
+            self._found.append(best)
         seconds = sum(attempt.solution.solve_time_s for attempt in tried)
         plan = self.formulation.plan(best, len(tried), seconds, start)
         if whole:
@@ -270,7 +275,7 @@ class Planner:
         """
         if not task.jump.turns:
             return self.formulation.follow(task, start, watch)
-        task = with_bounds_nearby(self.formulation, task, jump, start)
+        task = with_bounds_nearby(self.formulation, task, jump, start, self._found)
         return from_nearby(self.formulation, start, task, watch)
 
     def last_knots(self) -> Knots:

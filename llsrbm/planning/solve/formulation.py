@@ -1,7 +1,7 @@
 """Jumps of one robot with one model as optimal control problems: task in, solved motion out."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -210,8 +210,17 @@ class Formulation:
             task = corrected(replace(last, task=task))
         return task
 
-    def with_bounds_of_start(self, task: Task, start: Iterate) -> Task:
-        """A task, with what the whole body says of a solution from which solving it begins."""
+    def with_bounds_of_start(
+        self, task: Task, start: Iterate, known: Iterable[Attempt] = ()
+    ) -> Task:
+        """A task, with what the whole body says of a solution from which solving it begins.
+
+        `known`: attempts, one of which may have this solution; it is not judged again then.
+        """
+        for attempt in known:
+            if np.array_equal(attempt.solution.variables, start.variables):
+                judged = replace(attempt, task=task, knots=attempt.knots.under(task))
+                return self.with_shifted_bounds(judged)
         there = Solution(
             variables=start.variables,
             multipliers=start.multipliers,
