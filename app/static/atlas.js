@@ -11,7 +11,7 @@
   const TICKS = 5; // about so many an axis
 
   // x and y stand side by side.
-  const PAIR = ":has(> div > .llsrbm-atlas) > :is(:nth-child(4), :nth-child(5))";
+  const PAIR = `${window.llsrbm.layout.boxOf("llsrbm-atlas")} > :is(:nth-child(4), :nth-child(5))`;
 
   const STYLE = `
     ${PLACE} { padding: 0 10px; font-size: 13px; line-height: 1.4; }

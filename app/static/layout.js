@@ -4,6 +4,7 @@
   const llsrbm = window.llsrbm;
   const SETTLE = 200; // ms between two looks at what has changed
   const changed = [], moved = [];
+  const boxes = []; // markers in the panel's own HTML
   const watched = new WeakSet();
   let later = 0;
 
@@ -28,6 +29,24 @@
     moved.forEach((listener) => listener(box));
   }
 
+  // Marks the boxes of viser's in which a marker is. A rule like `div:has(> div > .marker)` would have
+  // the browser style the whole page anew for every element that is made anywhere.
+  function mark() {
+    for (const marker of boxes) {
+      const inside = [...document.querySelectorAll(`.${marker}`)].map(
+        (each) => each.parentElement?.parentElement);
+      for (const old of document.querySelectorAll(`[data-${marker}]`))
+        if (!inside.includes(old)) old.removeAttribute(`data-${marker}`);
+      for (const box of inside) box?.setAttribute(`data-${marker}`, "");
+    }
+  }
+
+  // The selector of boxes with a marker's class.
+  function boxOf(marker) {
+    if (!boxes.includes(marker)) boxes.push(marker);
+    return `[data-${marker}]`;
+  }
+
   function look() {
     later = 0;
     watch(window.__viserMutable?.canvas);
@@ -42,7 +61,10 @@
     #llsrbm-over { position: fixed; z-index: 5; pointer-events: none; }
     #llsrbm-over > * { position: absolute; pointer-events: auto; }`, over);
   document.addEventListener("DOMContentLoaded", () => {
-    new MutationObserver(soon).observe(document.body, { childList: true, subtree: true });
+    new MutationObserver(() => {
+      mark(); // before anything of it is drawn
+      soon();
+    }).observe(document.body, { childList: true, subtree: true });
     look();
   });
   window.addEventListener("resize", follow);
@@ -54,7 +76,7 @@
   }, true);
 
   llsrbm.layout = {
-    over, soon, watch,
+    over, soon, watch, boxOf,
     get pending() { return later !== 0; }, // something changed that the scripts have not looked at
     onChange: (listener) => changed.push(listener), // elements were made anew, or taken away
     onMove: (listener) => moved.push(listener), // the picture, or what is watched, has another size

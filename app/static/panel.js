@@ -3,11 +3,12 @@
 // sheets. `arrange` learns from the server which control is which; markers in the panel's own HTML
 // (app/panel) say where the rest belongs.
 (() => {
-  const MAIN = "div:has(> div > .llsrbm-status)"; // the box with the controls that are always there
-  const BOXES = "div:has(> div > .llsrbm-boxes)"; // a box of checkboxes
+  const { boxOf } = window.llsrbm.layout;
+  const MAIN = boxOf("llsrbm-status"); // the box with the controls that are always there
+  const BOXES = boxOf("llsrbm-boxes"); // a box of checkboxes
   const FOLDER = ".mantine-Paper-root:has(> .mantine-Paper-root:first-child > svg.tabler-icon)";
-  const SCENARIO = "div:has(> div > .llsrbm-scenario)"; // the box of what a simulation meets
-  const PAIRS = "div:has(> div > .llsrbm-pair)"; // a box whose buttons stand side by side
+  const SCENARIO = boxOf("llsrbm-scenario"); // the box of what a simulation meets
+  const PAIRS = boxOf("llsrbm-pair"); // a box whose buttons stand side by side
   const FIELD = ".mantine-Flex-root > div:first-child"; // the place of a label
   const TABS = "[data-dock-area^=gui-tabs]"; // the tabs of the details
   // A row with a slider: its label and number, and below them the slider.
