@@ -18,7 +18,7 @@ class Button:
     """A button, placed by `add_buttons`; its feature in `app.tab` says when it can be pressed."""
 
     place: str  # where in the panel, with others of the same place
-    label: str  # label, hint: for people
+    label: str  # label, hint: for people; static/tips.js shows hints
     hint: str | None = None
     icon: IconName | None = None  # in place of the label, which remains its name
 
@@ -175,6 +175,6 @@ def add_buttons(gui: viser.GuiApi, place: str, put: Put) -> Buttons:
     for act in Act:
         button = act.value
         if isinstance(button, Button) and button.place == place:
-            added[act] = gui.add_button(button.label, hint=button.hint, icon=button.icon)
+            added[act] = gui.add_button(button.label, icon=button.icon)
             added[act].on_click(callback(put, act))
     return added

@@ -14,7 +14,7 @@ from viser import Icon
 from app.panel.acts import Act, Buttons, Put, add_buttons
 from app.panel.fields import Field, Fields
 from app.panel.html import SMALL, note
-from app.viser_private import take_upload
+from app.viser_private import take_upload, uuid_of
 from llsrbm.formats import FORMATS, ORDERS, Options, availability, readable
 from llsrbm.robots import Robot
 
@@ -22,6 +22,7 @@ SIMULATION, PLAN = "simulation", "plan"
 
 _FASTEST, _FASTEST_FILM = 1000.0, 60.0  # frames/s; every one of a film is drawn
 _LONGEST_PAD = 10.0  # s
+_OPEN = "A design, a plan, a simulation or another tool's motion; or drop it on the page"
 
 
 @dataclass(frozen=True)
@@ -171,7 +172,6 @@ class FileControls:
         self.open = gui.add_upload_button(
             "Open",
             mime_type=",".join(_suffixes()),
-            hint="A design, a plan, a simulation or another tool's motion; or drop it on the page",
             icon=Icon.FOLDER_OPEN,
         )
         self.fields = Fields(gui, FileChoice(), FileChoice(), put_act, Act.FILES)  # of `FileChoice`
@@ -183,6 +183,11 @@ class FileControls:
             file = take_upload(event.target)
             if file is not None:
                 open_file(file.name, file.content)
+
+    @property
+    def hints(self) -> dict[str, tuple[str, str]]:
+        """As `Fields.hints`."""
+        return {**self.fields.hints, uuid_of(self.open): ("Open", _OPEN)}
 
     @property
     def format(self) -> Any:

@@ -279,7 +279,7 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
     return (
         Field(
             "Robot",
-            None,
+            "The robot that jumps, with the drives of its file",
             get=lambda jump: robots[jump.robot].title,
             put=lambda jump, title: replace(jump, robot=names.get(title, title)),
             options=tuple(names),

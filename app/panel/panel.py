@@ -155,9 +155,14 @@ class Panel:
             **scenario.fields.hints,
             **scenario.automatic.hints,
             **view.fields.hints,
-            **files.fields.hints,
+            **files.hints,
             **self.plots.fields.hints,
             **self.atlas.hints,
+            **{
+                uuid_of(handle): (act.value.label, act.value.hint)
+                for act, handle in self.buttons.items()
+                if act.value.hint
+            },
         }
 
     def show_robot(self, robot: Robot) -> None:

@@ -42,6 +42,8 @@
       if (button.textContent.trim() || button.getAttribute(NAMED)) continue;
       name(button, /close/i.test(button.className) ? "Close" : "Connection and scene tree");
     }
+    for (const bar of document.querySelectorAll(".mantine-Progress-section[role=progressbar]"))
+      name(bar, "Transfer of the file");
   }
 
   // viser's folders can be clicked; these can be reached and pressed with the keys, too.

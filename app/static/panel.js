@@ -93,6 +93,7 @@
       color: var(--mantine-color-dimmed); border-style: dashed; }
     .mantine-Button-root[data-block] { padding-inline: 0.5rem; }
 
+    [role=tab] * { font-size: 13px !important; }
     ${TABS} [role=tablist] { display: flex; flex-wrap: nowrap !important; }
     ${TABS} [role=tab] { flex: 1 1 auto !important; min-width: 0; justify-content: center;
       padding-inline: 3px !important; font-size: 13px !important; opacity: 1 !important;
@@ -178,6 +179,10 @@
     :root { --llsrbm-changed: #b04a00; }
     :root[data-mantine-color-scheme=dark] { --llsrbm-changed: #ffb366; }
 
+    /* viser's note on a download: whole, and beside the camera's buttons. */
+    .mantine-Notifications-root { top: 52px !important; }
+    .mantine-Notification-body * { white-space: normal !important; overflow-wrap: anywhere; }
+
     /* viser's own buttons are there for a pointer or the keys. */
     @media (hover: hover) {
       :not(:hover, :focus-within) > :is([aria-label="Collapse panel area"],
@@ -229,6 +234,9 @@
       ${far.map(row).join()} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
       :is(${far.map(button).join()}) { position: absolute; right: 4.8rem; top: -2px;
         width: auto; height: 24px; font-size: 12px; padding-inline: 7px; }
+      @media (hover: hover) { /* there for a pointer on the slider, or the keys */
+        :is(${far.map(row).join()}):not(:hover, :focus-within, :has(+ :is(:hover, :focus-within)))
+          .mantine-Button-root { opacity: 0; } }
       ${row(largest)} { grid-column: span 6; align-self: center; }
       ${button(largest)} { padding-inline: 2px; border-color: #2f9e62; }
       ${MAIN}:has([id="${largest}"]) > :has(.llsrbm-far) { grid-column: span 14; }

@@ -18,10 +18,11 @@
   function wordsOf(target) {
     const own = target.closest("[data-tip]");
     if (own) return [own, own.dataset.tip];
-    const row = target.closest(ROW), uuid = row?.querySelector("label[for]").htmlFor;
+    const button = target.closest("button[id]"), row = button ? null : target.closest(ROW);
+    const uuid = button?.id ?? row?.querySelector("label[for]").htmlFor;
     const can = row && window.llsrbm.tint?.words(uuid);
     const text = [hints[uuid]?.[1], can].filter(Boolean).join(".\n");
-    return text ? [row, text] : [null, ""];
+    return text ? [button ?? row, text] : [null, ""];
   }
 
   function show(at, text) {

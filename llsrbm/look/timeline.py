@@ -235,9 +235,9 @@ def _planned_events(plan: Plan) -> str:
 def _events(rollout: Rollout) -> str:
     parts = []
     for number, (planned, flight) in enumerate(_planned_and_flown(rollout), start=1):
-        parts.append(f"{_numbered('touchdown', number)} {planned:.3f} s planned")
+        parts.append(f"{_numbered('touchdown', number)} {planned:.3f} s")
         true, detected = flight.touchdown, flight.detected
-        parts.append("none simulated" if true is None else f"{true:.3f} s simulated")
+        parts.append("none simulated" if true is None else f"simulated {true:.3f} s")
         if detected is None:
             parts.append("not detected")
         elif true is not None:
