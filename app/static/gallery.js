@@ -12,7 +12,7 @@
     #llsrbm-gallery .picture { display: block; width: 100%; aspect-ratio: 4 / 3; background: #dde4ea;
       object-fit: cover; }
     #llsrbm-gallery .cards b { padding: 7px 10px 0; }
-    #llsrbm-gallery .cards span { padding: 2px 10px 9px; font-size: 0.8125rem;
+    #llsrbm-gallery .cards span { padding: 2px 10px 9px; font-size: 13px;
       color: var(--mantine-color-dimmed); }
     #llsrbm-gallery section { padding: 4px 16px 18px; border-top: 1px solid
       var(--mantine-color-default-border); }
@@ -27,7 +27,7 @@
       grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); }
     #llsrbm-gallery .motions button { display: flex; flex-direction: column; text-align: left;
       padding: 6px 10px; }
-    #llsrbm-gallery .motions span { font-size: 0.8125rem; color: var(--mantine-color-dimmed); }`;
+    #llsrbm-gallery .motions span { font-size: 13px; color: var(--mantine-color-dimmed); }`;
 
   const grid = element("div", { class: "cards" });
   const dialog = chooser("llsrbm-gallery", "Examples",

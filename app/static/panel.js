@@ -181,7 +181,8 @@
 
     /* viser's note on a download: whole, and beside the camera's buttons. */
     .mantine-Notifications-root { top: 52px !important; }
-    .mantine-Notification-body * { white-space: normal !important; overflow-wrap: anywhere; }
+    .mantine-Notification-body * { white-space: normal !important; overflow-wrap: anywhere;
+      font-size: 13px; }
 
     /* viser's own buttons are there for a pointer or the keys. */
     @media (hover: hover) {
@@ -234,9 +235,9 @@
       ${far.map(row).join()} { position: relative; height: 0; padding: 0 !important; z-index: 1; }
       :is(${far.map(button).join()}) { position: absolute; right: 4.8rem; top: -2px;
         width: auto; height: 24px; font-size: 12px; padding-inline: 7px; }
-      @media (hover: hover) { /* there for a pointer on the slider, or the keys */
-        :is(${far.map(row).join()}):not(:hover, :focus-within, :has(+ :is(:hover, :focus-within)))
-          .mantine-Button-root { opacity: 0; } }
+      /* There for a pointer or a finger on the slider, or the keys. */
+      :is(${far.map(row).join()}):not(:hover, :focus-within, :has(+ :is(:hover, :focus-within)))
+        .mantine-Button-root { opacity: 0; }
       ${row(largest)} { grid-column: span 6; align-self: center; }
       ${button(largest)} { padding-inline: 2px; border-color: #2f9e62; }
       ${MAIN}:has([id="${largest}"]) > :has(.llsrbm-far) { grid-column: span 14; }

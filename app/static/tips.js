@@ -87,7 +87,7 @@
   }
 
   layout.onChange(describe);
-  addToPage(STYLE, tip);
+  addToPage(STYLE, element("div", { role: "region", "aria-label": "Note" }, tip));
 
   window.llsrbm.tips = {
     get terms() { return Object.fromEntries(Object.values(hints)); }, // label -> meaning
