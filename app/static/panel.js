@@ -74,7 +74,7 @@
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }
     ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important; padding-right: 4px; }
-    ${SCENARIO} .mantine-NumberInput-root { width: 4rem; }
+    ${SCENARIO} .mantine-NumberInput-root { width: 64px; }
     ${SCENARIO} .mantine-NumberInput-input { padding-left: 4px !important; }
 
     ${BOXES} > *, ${SCENARIO} > * { padding-inline: 0 !important; margin-inline: 0 !important; }
