@@ -36,6 +36,7 @@ class Queue(Enum):
     CHECK = "check"
     COMPARE = "compare"
     LARGEST = "largest"
+    BEGINNING = "beginning"
 
 
 MOST_LANES = 4

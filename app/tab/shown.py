@@ -24,7 +24,7 @@ class Shown:
     # the request to which it is the nearest that can be planned; None: it does what was asked for
     wanted: Jump | None = None
     reason: str = ""  # why not that, in one sentence
-    centroidal: Plan | None = None  # of which the plan is the refinement; None: it is none
+    centroidal: Plan | None = None  # the draft of its jump, from which a slider's steps begin
 
     @property
     def request(self) -> Jump:

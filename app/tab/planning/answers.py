@@ -6,7 +6,8 @@ from app.motion.baked import presentable
 from app.panel import summaries
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, played_first
-from app.tab.effects import After, Reported
+from app.tab.effects import After, Queue, Reported
+from app.tab.planning.beginning import take_draft
 from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
 from app.tab.planning.refining import FOLLOWS
@@ -22,6 +23,8 @@ def take_plan_report(state: TabState, event: Reported) -> Step:
     """A plan is being made, or has been, or there is none; or an older request has its plan."""
     report, task = event.report, event.job.task
     assert isinstance(task, tasks.PlanJump)
+    if event.job.queue is Queue.BEGINNING:
+        return take_draft(state, report), ()
     if event.ticket != state.work.newest:
         return _answer(state, report, event.ticket)
     if isinstance(report, reports.Progress):

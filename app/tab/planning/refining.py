@@ -7,6 +7,7 @@ from app.panel.acts import Act
 from app.panel.status import Status, Verdict
 from app.tab.acts import Step, joined, on, reads, submit
 from app.tab.effects import Reported
+from app.tab.planning.beginning import draft_later
 from app.tab.showing import show_given, show_plan
 from app.tab.shown import Given, Shown
 from app.tab.simulating import simulate_next
@@ -63,7 +64,7 @@ def show_given_refined(state: TabState, given: Given) -> Step:
     """Show a motion that is there already; the whole body's follows a draft of the tab's own."""
     state, effects = show_given(state, given)
     if given.source or given.rollout is not None or not wants_refining(state):
-        return state, effects
+        return draft_later((state, effects))
     return joined(effects, refine(state))
 
 
