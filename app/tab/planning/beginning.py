@@ -41,7 +41,7 @@ def begin(state: TabState, event: Lasted) -> Step:
 
 
 def take_draft(state: TabState, report: reports.Report) -> TabState:
-    """The draft is kept beside its plan, if that is still shown; without one all goes on as well."""
+    """The draft is kept beside its plan, if that is still shown; all goes on without one, too."""
     shown, plan = state.shown, state.plan
     if not isinstance(report, reports.Planned) or shown is None or plan is None:
         return state
