@@ -4,6 +4,8 @@
     meta         JSON: robot, names of its joints, key of its numbers, package version
     NAME         (V,) float32, a motion's numbers (`llsrbm.library.stored`)
     NAME.card    JSON, its card (`llsrbm.library.card.Card`)
+    NAME.stick   (1 + T, P, 2) int8, its stick figure (`llsrbm.library.stick_figure`); older files
+                 have none
 
 A motion's numbers are read when it is opened, the others of the file are not.
 """
@@ -24,13 +26,14 @@ from llsrbm.files.native import check_schema
 from llsrbm.files.npz import Arrays, open_archive, text, write_archive
 from llsrbm.installed import package_version
 from llsrbm.library.card import Card
+from llsrbm.library.stick_figure import StickFigure
 from llsrbm.library.stored import Stored
 from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
 SCHEMA = "llsrbm.library/1"
 MOST = 1000  # motions of a file: of more, reading its names takes long
-_CARD = ".card"
+_CARD, _STICK = ".card", ".stick"
 _EXPECTED = "expected a file of a library, as `llsrbm library build` writes"
 
 
@@ -55,10 +58,11 @@ class FileMeta(BaseModel):
 
 @dataclass(frozen=True, eq=False)
 class StoredMotion:
-    """A card and the numbers of its motion."""
+    """A card, the numbers of its motion, and its stick figure; None: it has none yet."""
 
     card: Card
     numbers: Stored
+    figure: StickFigure | None = None
 
 
 def write(path: Path, meta: FileMeta, motions: Iterable[StoredMotion]) -> None:
@@ -67,6 +71,8 @@ def write(path: Path, meta: FileMeta, motions: Iterable[StoredMotion]) -> None:
     for motion in motions:
         arrays[motion.card.name] = motion.numbers
         arrays[motion.card.name + _CARD] = np.array(motion.card.model_dump_json())
+        if motion.figure is not None:
+            arrays[motion.card.name + _STICK] = motion.figure.array
     write_archive(path, arrays)
 
 
@@ -88,6 +94,23 @@ def read_numbers(path: Path, name: str) -> Stored:
         raise FileFormatError(f'{path}: key "{name}": expected a row of numbers in float32')
     if not np.isfinite(found).all():
         raise FileFormatError(f'{path}: key "{name}": expected finite numbers')
+    return found
+
+
+def read_stick_figures(path: Path, names: Iterable[str] | None = None) -> dict[str, StickFigure]:
+    """The stick figures that the motions `names`, or all of them, have in a file.
+
+    Raises `FileFormatError`: one is damaged.
+    """
+    with open_archive(path, _EXPECTED) as archive:
+        wanted = archive.keys if names is None else {name + _STICK for name in names}
+        arrays = archive.arrays(key for key in wanted if key.endswith(_STICK))
+    found = {}
+    for key, array in arrays.items():
+        try:
+            found[key.removesuffix(_STICK)] = StickFigure.of_array(array)
+        except ValueError as error:
+            raise FileFormatError(f'{path}: key "{key}": {error}') from error
     return found
 
 

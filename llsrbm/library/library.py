@@ -9,12 +9,13 @@ from functools import cached_property
 from pathlib import Path
 
 from llsrbm.certificate import certify
-from llsrbm.errors import FileFormatError, InputError
+from llsrbm.errors import FileFormatError, InputError, RobotFileError
 from llsrbm.installed import assets_directory
 from llsrbm.library import file
 from llsrbm.library.card import NONE, Card, Figures, Simulated, kind_of, rounded_request
 from llsrbm.library.file import FileMeta, StoredMotion
 from llsrbm.library.search import Filters, found
+from llsrbm.library.stick_figure import StickFigure
 from llsrbm.library.stored import reopened, stored
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
@@ -99,7 +100,18 @@ class Library:
     def stored(self, name: str) -> StoredMotion:
         """A motion as its file has it."""
         path, _, card = self._entry(name)
-        return StoredMotion(card, file.read_numbers(path, name))
+        figure = file.read_stick_figures(path, [name]).get(name)
+        return StoredMotion(card, file.read_numbers(path, name), figure)
+
+    def stick_figures(self) -> dict[str, StickFigure]:
+        """Name -> the stick figure of a motion that has one; no motion is opened.
+
+        Raises `FileFormatError`: a file is damaged.
+        """
+        found: dict[str, StickFigure] = {}
+        for path in self.files:
+            found |= file.read_stick_figures(path)
+        return found
 
     def add(self, plan: Plan, simulated: Simulated | None = None) -> Card:
         """Put a plan into the library; its certificate is made anew from what is kept of it.
@@ -125,7 +137,7 @@ class Library:
         folder = self.folder / PARTS
         folder.mkdir(parents=True, exist_ok=True)
         path, meta = folder / f"{name}.npz", FileMeta.of(load_robot(card.robot))
-        file.write(path, meta, [StoredMotion(card, motion.numbers)])
+        file.write(path, meta, [replace(motion, card=card)])
         self._requests[_key(card)] = name
         self._where[name] = path, meta, card
         return card
@@ -146,19 +158,32 @@ class Library:
         return 1 + max((int(number) for number in taken if number.isdigit()), default=0)
 
     def packed(self) -> None:
-        """Join each robot's motions into one file, `ROBOT.npz`, or several of `file.MOST` each."""
+        """Join each robot's motions into one file, `ROBOT.npz`, or several of `file.MOST` each.
+
+        Motions of older files get their stick figures, if their robot is as it was.
+        """
         robots: dict[str, list[str]] = {}
         for name, (_, meta, _) in self._where.items():
             robots.setdefault(meta.robot, []).append(name)
         for robot, names in robots.items():
             meta = self._where[names[0]][1]
             parts = [names[k : k + file.MOST] for k in range(0, len(names), file.MOST)]
-            motions = [[self.stored(name) for name in part] for part in parts]
+            motions = [[self._with_figure(name) for name in part] for part in parts]
             for number, part in enumerate(motions, start=1):
                 suffix = "" if number == 1 else f"-{number}"
                 file.write(self.folder / f"{robot}{suffix}.npz", meta, part)
         _remove(self.folder / PARTS)
         del self._where
+
+    def _with_figure(self, name: str) -> StoredMotion:
+        """A motion as its file has it, and with a stick figure where that has none."""
+        motion = self.stored(name)
+        if motion.figure is not None:
+            return motion
+        try:
+            return replace(motion, figure=StickFigure.of(self.open(name, check=False)))
+        except (FileFormatError, InputError, RobotFileError):  # it cannot be opened any more
+            return motion
 
 
 def stored_motion(plan: Plan, simulated: Simulated, drawn: int | None = None) -> StoredMotion:
@@ -192,7 +217,7 @@ def stored_motion(plan: Plan, simulated: Simulated, drawn: int | None = None) ->
 
 
 def checked(motion: StoredMotion, robot: Robot) -> StoredMotion:
-    """A motion with the certificate and the figures of what is kept of it.
+    """A motion with the certificate, the figures and the stick figure of what is kept of it.
 
     Raises `InputError`: the certificate does not hold.
     """
@@ -203,7 +228,7 @@ def checked(motion: StoredMotion, robot: Robot) -> StoredMotion:
         broken = ", ".join(found.name for found in certificate.broken) or "some are not known"
         raise InputError(f"the certificate does not hold ({broken}); expected one that does")
     found = {"figures": Figures.of(kept, certificate), "certificate": certificate.as_dict()}
-    return StoredMotion(card.model_copy(update=found), motion.numbers)
+    return StoredMotion(card.model_copy(update=found), motion.numbers, StickFigure.of(kept))
 
 
 def stem_of(card: Card) -> str:
