@@ -1,10 +1,8 @@
-// The list of a library's site (site.py): filters, and a card a motion with a sketch of the CoM's way.
+// The list of a library's site (site.py): filters, and a card a motion with a stick figure that moves.
 (() => {
   const rows = JSON.parse(document.getElementById("rows").textContent);
   const form = document.getElementById("filters");
   const list = document.getElementById("motions");
-  const SVG = Object.assign(document.createElement("template"), { innerHTML: "<svg></svg>" })
-    .content.firstChild.namespaceURI;
   const degrees = (angle) => Math.round(angle * 180 / Math.PI);
 
   const NUMBERS = [ // name, label, step, whether a row passes
@@ -42,22 +40,6 @@
     }),
   ];
 
-  function sketch(path) {
-    const svg = document.createElementNS(SVG, "svg");
-    const line = document.createElementNS(SVG, "polyline");
-    const [x, y] = [0, 1].map((axis) => path.map((point) => point[axis]));
-    const low = [Math.min(...x), Math.min(...y)];
-    const size = Math.max(Math.max(...x) - low[0], 2 * (Math.max(...y) - low[1]), 0.2);
-    svg.setAttribute("viewBox", "-3 -3 106 56");
-    svg.setAttribute("aria-hidden", "true");
-    line.setAttribute("points", path.map((point) =>
-      `${100 * (point[0] - low[0]) / size},${50 - 100 * (point[1] - low[1]) / size}`).join(" "));
-    for (const [name, value] of Object.entries({ fill: "none", stroke: "#5a3cb4", "stroke-width": 2 }))
-      line.setAttribute(name, value);
-    svg.append(line);
-    return svg;
-  }
-
   function card(row) {
     const link = document.createElement("a");
     const name = document.createElement("strong"), words = document.createElement("small");
@@ -67,14 +49,17 @@
       `${row.flight.toFixed(2)} s in the air, ${row.power} W, ${row.strict.join(" of ")} strict`;
     const title = document.createElement("small");
     title.textContent = row.name;
-    link.append(name, title, words, sketch(row.path));
+    link.append(name, title, words);
+    if (row.figure) link.append(window.llsrbm.stickFigure(row.figure));
     return link;
   }
+
+  const cards = new Map(rows.map((row) => [row, card(row)]));
 
   function show() {
     const kept = rows.filter((row) => tests.every((passes) => passes(row)));
     document.getElementById("count").textContent = `${kept.length} of ${rows.length}`;
-    list.replaceChildren(...kept.map(card));
+    list.replaceChildren(...kept.map((row) => cards.get(row)));
   }
 
   form.addEventListener("input", show);

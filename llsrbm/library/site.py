@@ -1,6 +1,6 @@
 """A library as a static site, which opens from disk: a list with filters, and a page a motion.
 
-    DIR/index.html              all motions, with filters and sketches of their paths
+    DIR/index.html              all motions, with filters and moving stick figures
     DIR/motions/NAME.html       figures, player, certificate, downloads
     DIR/players/NAME.html       the replay alone, for frames; what replays share is in `shared`
     DIR/downloads/NAME.csv      base and joints at 25 Hz; NAME.jump.json: the request
@@ -28,13 +28,14 @@ from llsrbm.library.card import Card
 from llsrbm.library.description import write_description
 from llsrbm.library.file import as_text
 from llsrbm.library.library import Library
+from llsrbm.library.stick_figure import StickFigure
 from llsrbm.look.titles import title, title_of_robot
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.trajectory import Trajectory
 from llsrbm.number_text import decimal, degrees, percent
 
 RATE = 25.0  # frames/s of players and tables: a player mixes between them
-_POINTS = 24  # of a sketch
+_OWN = ("site.css", "stick_figure.js", "site.js")
 _DOWNLOADS = (
     ("unitree-csv", ".csv", "base and joints, a row a frame"),
     ("design", ".jump.json", "the request, which the designer opens"),
@@ -55,21 +56,22 @@ def write_site(
     with staged(folder) as draft:
         for name in ("motions", "downloads"):
             (draft / name).mkdir(parents=True)
-        rows: list[dict[str, Any]] = []
+        rows, figures = list[dict[str, Any]](), library.stick_figures()
 
         def opened() -> Iterator[tuple[str, Trajectory]]:
             for number, card in enumerate(cards):
                 plan = library.open(card.name, check=False)
                 _write_motion(draft, card, plan)
-                rows.append(_row(card, plan))
+                rows.append(_row(card, figures.get(card.name)))
                 yield card.name, plan
                 progress(number + 1, len(cards))
 
         export_many(opened(), draft / "players", "html", fps=RATE)
         _copy_library(library, draft / "library")
         (draft / "index.html").write_text(_index(rows), encoding="utf-8")
-        (draft / "site.css").write_text(_own("site.css"), encoding="utf-8")
-        (draft / "site.js").write_text(_own("site.js"), encoding="utf-8")
+        for name in _OWN:
+            text = (files("llsrbm.library") / name).read_text("utf-8")
+            (draft / name).write_text(text, encoding="utf-8")
         mark = {"package_version": package_version(), "motions": len(cards)}
         (draft / MARK).write_text(as_text(mark), encoding="utf-8")
 
@@ -81,11 +83,7 @@ def _copy_library(library: Library, folder: Path) -> None:
     write_description(Library(folder))
 
 
-def _own(name: str) -> str:
-    return (files("llsrbm.library") / name).read_text("utf-8")
-
-
-def _row(card: Card, plan: Plan) -> dict[str, Any]:
+def _row(card: Card, figure: StickFigure | None) -> dict[str, Any]:
     """A motion for the list (site.js)."""
     figures, done = card.figures, card.simulated
     return {
@@ -99,17 +97,8 @@ def _row(card: Card, plan: Plan) -> dict[str, Any]:
         "power": round(figures.peak_power_w),
         "torque": round(figures.torque_share, 3),
         "strict": [done.strict, done.seeds],
-        "path": _sketch(plan),
+        "figure": None if figure is None else figure.drawn(figures.duration_s),
     }
-
-
-def _sketch(plan: Plan) -> list[list[float]]:
-    """The CoM's way from the side, m ahead (or aside, where that is further) and up."""
-    ahead = int(abs(plan.com[-1, 1] - plan.com[0, 1]) > abs(plan.com[-1, 0] - plan.com[0, 0]))
-    step = max(1, len(plan.time) // _POINTS)
-    points = plan.com[::step, [ahead, 2]] - plan.com[0, [ahead, 2]]
-    rounded: list[list[float]] = points.round(3).tolist()
-    return rounded
 
 
 def _index(rows: list[dict[str, Any]]) -> str:
@@ -126,7 +115,8 @@ def _index(rows: list[dict[str, Any]]) -> str:
         '<div id="motions"></div>'
         '<p>All files: <a href="library/README.md">library</a>, with its '
         '<a href="library/card.json">card</a> (counts, ranges, checks, checksums).</p>'
-        f'<script type="application/json" id="rows">{data}</script><script src="site.js"></script>'
+        f'<script type="application/json" id="rows">{data}</script>'
+        '<script src="stick_figure.js"></script><script src="site.js"></script>'
     )
     return _page("Library of motions", body, "")
 

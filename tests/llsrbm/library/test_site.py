@@ -1,5 +1,6 @@
 """The site of a library: pages whose links are there, and that ask for nothing."""
 
+import base64
 import json
 import re
 
@@ -49,7 +50,9 @@ def test_the_list_has_every_motion(site):
     assert [row["name"] for row in found] == sorted(NAMES)
     for row in found:
         assert (site / "motions" / f"{row['name']}.html").is_file()
-        assert len(row["path"]) > 10
+        figure = library().stick_figures()[row["name"]]
+        assert base64.b64decode(row["figure"]["bytes"]) == figure.array.tobytes()
+        assert figure.array.shape[1] == row["figure"]["points"]
 
 
 def test_a_page_has_figures_and_certificate(site):
