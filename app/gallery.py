@@ -8,6 +8,7 @@ import base64
 import math
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from llsrbm.installed import assets_directory
 from llsrbm.library import shipped
@@ -61,6 +62,16 @@ def motions() -> list[dict[str, str]]:
         }
         for card in shipped().found()
     ]
+
+
+@cache
+def stick_figures() -> dict[str, dict[str, Any]]:
+    """For the page: name -> what stick_figure.js draws, of motions that have a stick figure."""
+    library = shipped()
+    return {
+        name: figure.drawn(library.card(name).figures.duration_s)
+        for name, figure in library.stick_figures().items()
+    }
 
 
 @cache

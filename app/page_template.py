@@ -7,6 +7,7 @@ from pathlib import Path
 
 import viser
 
+import llsrbm
 from app.guard.limits import MAX_UPLOAD
 from llsrbm.errors import Error
 
@@ -28,6 +29,7 @@ SCRIPTS = (
     "compare.js",
     "parts.js",
     "handles.js",
+    "stick_figure.js",
     "gallery.js",
     "exports.js",
     "help.js",
@@ -45,7 +47,7 @@ SCRIPTS = (
     "numbers.js",
     "file_drop.js",
 )
-"""In the order in which they need each other."""
+"""In the order in which they need each other; the library's own are shared with its site."""
 
 HEAD = f"""<title>Jump designer</title>
 <meta name="largest-file" content="{MAX_UPLOAD}">
@@ -53,7 +55,7 @@ HEAD = f"""<title>Jump designer</title>
 """In place of viser's title, before the scripts."""
 
 _TITLE = "<title>Viser</title>"
-_FOLDER = Path(__file__).parent / "static"
+_FOLDERS = Path(__file__).parent / "static", Path(llsrbm.__file__).parent / "library"
 
 
 @lru_cache(maxsize=1)
@@ -68,8 +70,13 @@ def page_html() -> bytes:
 def embedded(scripts: Iterable[str]) -> str:
     """Our scripts of these names, as elements of a page."""
     return "".join(
-        f"<script>\n{(_FOLDER / name).read_text('utf-8')}</script>\n" for name in scripts
+        f"<script>\n{script_file(name).read_text('utf-8')}</script>\n" for name in scripts
     )
+
+
+def script_file(name: str) -> Path:
+    """Where one of our scripts lies: in `static`, or in the library's package."""
+    return next(folder / name for folder in _FOLDERS if (folder / name).is_file())
 
 
 @lru_cache(maxsize=1)

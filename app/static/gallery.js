@@ -1,5 +1,6 @@
 // The gallery: designs to start from, each as a card with a moving picture, a title and a line. The
-// server sends the cards once (app/gallery.py), when they are to be seen.
+// server sends the cards once (app/gallery.py), when they are to be seen. Below them are the motions of
+// the library, whose stick figures come when the dialog is first open.
 (() => {
   const { page, element, addToPage, dialog: { chooser } } = window.llsrbm;
   const STILL = matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -27,7 +28,9 @@
       grid-template-columns: repeat(auto-fill, minmax(15rem, 1fr)); }
     #llsrbm-gallery .motions button { display: flex; flex-direction: column; text-align: left;
       padding: 6px 10px; }
-    #llsrbm-gallery .motions span { font-size: 13px; color: var(--mantine-color-dimmed); }`;
+    #llsrbm-gallery .motions span { font-size: 13px; color: var(--mantine-color-dimmed); }
+    #llsrbm-gallery .motions i { height: 84px; margin-top: auto; padding-top: 4px; color: var(--mantine-color-anchor); }
+    #llsrbm-gallery .motions svg { width: 100%; height: 100%; }`;
 
   const grid = element("div", { class: "cards" });
   const dialog = chooser("llsrbm-gallery", "Examples",
@@ -38,7 +41,7 @@
   const list = element("div", { class: "motions" });
   const count = element("p", { role: "status" });
   const chosen = { robot: "", kind: "" };
-  let motions = [];
+  let motions = [], buttons = new Map();
 
   function motion({ name, robot, kind, line }) {
     return element("button", {
@@ -47,14 +50,14 @@
         dialog.close();
         page.send({ kind: "motion", name });
       },
-    }, element("b", {}, `${robot}: ${kind}`), element("span", {}, line));
+    }, element("b", {}, `${robot}: ${kind}`), element("span", {}, line), element("i"));
   }
 
   function showMotions() {
     const kept = motions.filter((each) =>
       Object.entries(chosen).every(([name, value]) => !value || each[name] === value));
     count.textContent = `${kept.length} of ${motions.length}`;
-    list.replaceChildren(...kept.map(motion));
+    list.replaceChildren(...kept.map(({ name }) => buttons.get(name)));
   }
 
   function choice(name, label) {
@@ -70,6 +73,7 @@
 
   function fillLibrary(found) {
     motions = found;
+    buttons = new Map(motions.map((each) => [each.name, motion(each)]));
     if (!motions.length) return;
     dialog.append(element("section", { "aria-label": "Library" },
       element("h3", {}, "Library"),
@@ -106,6 +110,10 @@
       fillLibrary(found);
       grid.replaceChildren(...cards.map(card));
       window.llsrbm.tour.invite(card(cards[0]));
+    },
+    animate(figures) {
+      for (const [name, figure] of Object.entries(figures))
+        buttons.get(name)?.querySelector("i").append(window.llsrbm.stickFigure(figure));
     },
     open() {
       if (!dialog.open) dialog.showModal();

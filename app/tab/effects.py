@@ -73,6 +73,7 @@ class Outside:
     ) -> None:
         self.client, self.pool, self.link, self.inbox = client, pool, link, inbox
         self.has_gallery = False  # the page has the examples' pictures
+        self.has_figures = False  # and the stick figures of the library's motions
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
     def name(self, queue: Queue, lane: int = 0) -> tuple[int, Queue, int]:
@@ -239,7 +240,7 @@ class Share(Effect):
 
 @dataclass(frozen=True)
 class ShowGallery(Effect):
-    """Show the examples; their pictures are sent once."""
+    """Show the examples; their pictures are sent once, stick figures when they are first shown."""
 
     shown: bool = True  # rather than only sent
 
@@ -249,6 +250,9 @@ class ShowGallery(Effect):
             outside.link.call("gallery.fill", gallery.cards(), gallery.motions())
         if self.shown:
             outside.link.call("gallery.open")
+            if not outside.has_figures:
+                outside.has_figures = True
+                outside.link.call("gallery.animate", gallery.stick_figures())
 
 
 @dataclass(frozen=True)

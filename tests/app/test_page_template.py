@@ -7,10 +7,7 @@ from pathlib import Path
 import pytest
 import viser
 
-import app.page_template
-from app.page_template import HEAD, SCRIPTS, page_gzip, page_html
-
-STATIC = Path(app.page_template.__file__).parent / "static"
+from app.page_template import HEAD, SCRIPTS, page_gzip, page_html, script_file
 
 
 def test_it_has_a_title_of_its_own():
@@ -21,14 +18,14 @@ def test_every_script_is_there_and_they_run_before_visers():
     page = page_html().decode()
     begins = [found.end() for found in re.finditer(r"<script[^>]*>\n?", page)]
     for name, begin in zip(SCRIPTS, begins, strict=False):
-        assert page.startswith((STATIC / name).read_text("utf-8"), begin), name
+        assert page.startswith(script_file(name).read_text("utf-8"), begin), name
     assert len(begins) > len(SCRIPTS)
 
 
 def test_the_rest_is_visers_page():
     served = page_html().decode().replace(HEAD, "<title>Viser</title>")
     for name in SCRIPTS:
-        script = (STATIC / name).read_text("utf-8")
+        script = script_file(name).read_text("utf-8")
         served = served.replace(f"<script>\n{script}</script>\n", "", 1)
     visers = Path(viser.__file__).parent / "client" / "build" / "index.html"
     assert served == visers.read_text("utf-8")
@@ -36,7 +33,7 @@ def test_the_rest_is_visers_page():
 
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_no_script_ends_its_element_or_asks_another_host(name):
-    script = (STATIC / name).read_text("utf-8")
+    script = script_file(name).read_text("utf-8")
     assert "</script" not in script
     assert "<!--" not in script
     assert "://" not in script
@@ -51,4 +48,4 @@ def test_compressed_it_is_the_same():
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node")
 @pytest.mark.parametrize("name", SCRIPTS)
 def test_scripts_parse(name):
-    assert subprocess.run(["node", "--check", str(STATIC / name)], check=False).returncode == 0
+    assert subprocess.run(["node", "--check", str(script_file(name))], check=False).returncode == 0

@@ -2,6 +2,7 @@
 
 import base64
 import io
+import json
 from dataclasses import replace
 
 import pytest
@@ -88,6 +89,32 @@ def test_every_motion_has_a_line():
     motions = gallery.motions()
     assert [motion["name"] for motion in motions] == sorted(gallery.motion_names())
     assert all("s in the air" in motion["line"] for motion in motions)
+
+
+def test_every_motion_has_a_stick_figure_and_all_are_small():
+    found = gallery.stick_figures()
+    assert found.keys() == gallery.motion_names()
+    assert len(json.dumps(found)) < 300_000
+    durations = {card.name: card.figures.duration_s for card in shipped().cards}
+    for name, drawn in found.items():
+        assert drawn["duration"] == pytest.approx(durations[name], abs=1e-3)
+
+
+def test_stick_figures_are_sent_once_and_only_when_the_gallery_is_shown():
+    sent = []
+
+    class Outside:
+        has_gallery = has_figures = False
+
+        class link:
+            @staticmethod
+            def call(function, *arguments):
+                sent.append(function)
+
+    outside = Outside()
+    for shown in (False, True, True):
+        ShowGallery(shown).do(outside)
+    assert sent == ["gallery.fill", "gallery.open", "gallery.animate", "gallery.open"]
 
 
 def test_figures_that_are_nothing_are_left_out():

@@ -3,6 +3,14 @@
 from app import gallery
 from tests.app.chromium import press
 
+# Whether a stick figure of the list is drawn anew.
+MOVES = """() => {
+  const path = document.querySelector("#llsrbm-gallery .motions button svg path:last-child");
+  if (!path) return false;
+  window.drawnBefore ??= path.getAttribute("d");
+  return path.getAttribute("d") !== window.drawnBefore;
+}"""
+
 
 def test_the_button_opens_it_and_its_pictures_are_sent_once(page):
     shown = page.get_by_role("dialog", name="Examples")
@@ -25,6 +33,8 @@ def test_a_motion_of_the_library_is_filtered_and_opened(page):
     section.get_by_label("Kind").select_option("pirouette")
     buttons = section.locator(".motions button")
     assert buttons.count() == len(motions)
+    buttons.first.scroll_into_view_if_needed()
+    page.wait_for_function(MOVES)
     section.get_by_label("Made for").select_option(motions[0]["robot"])
     buttons.first.click()
     shown.wait_for(state="hidden")
