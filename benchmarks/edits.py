@@ -115,12 +115,15 @@ def main() -> bool:
     )
     parser.add_argument("--edits", type=int, default=20)
     parser.add_argument("--seed", type=int, default=44)
+    parser.add_argument("--robot", help="its title in the menu; the page's first by default")
     options = parser.parse_args()
     off: dict[str, list[float]] = {kind: [] for kind in KINDS}
     other = lost = 0
     with closing(Designer(port=0, token="none")) as designer, RawTab(designer.port) as tab:
         tab.wait_for_status(PLANNED, timeout=PATIENCE)
         hand = Hand(tab, designer.sessions[0], np.random.default_rng(options.seed))
+        if options.robot is not None:
+            hand.answered(lambda: tab.set("Robot", options.robot))
         for number in range(options.edits):
             kind = KINDS[number % len(KINDS)]
             shown = hand.session.state.shown
