@@ -129,8 +129,8 @@ def main() -> bool:
             shown = hand.session.state.shown
             amount = getattr(hand, kind)()
             state = hand.session.state
-            as_asked = state.shown is not None and state.shown.wanted is None
-            if as_asked and state.status.verdict in (Verdict.FEASIBLE, Verdict.DRAFT):
+            obeyed = state.shown is not None and state.shown.wanted is None
+            if obeyed and state.status.verdict in (Verdict.FEASIBLE, Verdict.DRAFT):
                 off[kind].append(amount)
                 words = f"{amount:.2f} {'ms' if kind == 'edge' else 'mm'} off"
             else:

@@ -22,6 +22,7 @@ STEP = 0.1  # s between steps of the dragged slider
 REACH = 30  # pixels that the hand goes to either side
 PERIOD = 10.0  # s, there and back
 TAKE_UP = 8_000  # ms for the last plan to settle
+LAST_ANSWER = 90_000  # ms at most: where a jump cannot be done less of it is looked for
 OTHERS = {"forward": "Forward [m]", "lateral": "Lateral [m]", "height": "Landing height [m]"}
 FASTEST = 6  # pixels a step, at random
 SEED = 7
@@ -127,7 +128,7 @@ def drag(page, seconds, places, name="twist", label="Twist [deg]"):
 
 def answered(page):
     """Wait until the request has its last answer, whatever it is."""
-    page.locator('[role="status"][aria-busy="false"]').wait_for(timeout=20_000)
+    page.locator('[role="status"][aria-busy="false"]').wait_for(timeout=LAST_ANSWER)
 
 
 def latencies(steps, drawn):
