@@ -182,7 +182,7 @@
     /* viser's note on a download: whole, and beside the camera's buttons. */
     .mantine-Notifications-root { top: 52px !important; }
     .mantine-Notification-body * { white-space: normal !important; overflow-wrap: anywhere;
-      font-size: 13px; }
+      font-size: 13px !important; }
 
     /* viser's own buttons are there for a pointer or the keys. */
     @media (hover: hover) {
