@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import time
 from contextlib import closing
 from typing import Any
 
@@ -22,20 +21,20 @@ from app.panel.status import Verdict
 from app.picture.foothold_handles import FootholdDragged
 from app.tab.session import Session
 from app.tab.shaping import first_flight, handles_of
+from benchmarks.visitor import PATIENCE, Visitor
 from tests.app.raw_tab import PLANNED, RawTab
 
 MOST = 5.0  # ms and mm
 REACH_TIME, REACH_HEIGHT, REACH_FOOT = 0.04, 0.03, 0.04  # s, m, m to either side
 KINDS = ("edge", "apex", "foothold")
-PATIENCE = 120.0  # s
 
 
-class Hand:
+class Hand(Visitor):
     """Drags in one tab, and waits for what comes of it."""
 
     def __init__(self, tab: RawTab, session: Session, rng: np.random.Generator) -> None:
-        self.tab, self.session, self.rng = tab, session, rng
-        self.grips = 0
+        super().__init__(tab, session)
+        self.rng, self.grips = rng, 0
 
     def edge(self) -> float:
         """Drag the end of a phase; how far the plan's is from there, ms."""
@@ -87,20 +86,6 @@ class Hand:
         """The one that is shown."""
         assert self.session.state.plan is not None
         return self.session.state.plan
-
-    def answered(self, act: Any) -> None:
-        """Wait for the answer to an act that rests."""
-        before, began = self.session.state, time.monotonic()
-        act()
-        while self.session.state is before or self._waits():
-            if time.monotonic() - began > PATIENCE:
-                raise TimeoutError(self.tab.status())
-            time.sleep(0.02)
-
-    def _waits(self) -> bool:
-        state = self.session.state
-        busy = state.status.busy or state.planning or not state.ready
-        return busy and state.status.verdict is not Verdict.FAILED
 
 
 def turned(beside: np.ndarray, angle: float) -> np.ndarray:

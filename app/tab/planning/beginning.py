@@ -1,7 +1,7 @@
-"""The draft of a plan that had none: a motion that was there already, or came from a table.
+"""The draft of a motion that was there already, such as the one with which a page opens.
 
 It is made once the motion has been shown for a while, so that the first step of a slider begins
-from it; planned from scratch that one would take ten times as long as those that follow.
+from it; from scratch that one takes three times as long as those that follow.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def begin(state: TabState, event: Lasted) -> Step:
     """Have its draft made, unless something else is shown or under way by now."""
     if state.plan is not event.plan or state.planning or not _lacks_draft(state):
         return state, ()
-    task = tasks.PlanJump(event.plan.jump, event.plan.tuning)
+    task = tasks.PlanJump(event.plan.jump, event.plan.tuning, alone=True)
     return submit_beside(state, Queue.BEGINNING, task)
 
 
@@ -55,6 +55,6 @@ def _lacks_draft(state: TabState) -> bool:
     shown, plan = state.shown, state.plan
     if shown is None or plan is None or not state.whole_body or not state.ready:
         return False
-    # Slots of a route, and bodies that turn over, begin from no draft of this kind.
+    # Routes begin from plans of their jumps; bodies that turn over stay drafts.
     plain = not plan.jump.route and not plan.jump.turns
     return plain and plan.refined and shown.centroidal is None and not shown.source

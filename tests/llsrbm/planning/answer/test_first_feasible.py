@@ -96,3 +96,17 @@ def test_what_the_body_said_nearby_is_in_the_bounds(rested):
     )
     assert without > TOLERANCE
     assert with_it < without / 2
+
+
+def test_what_is_known_of_a_plan_nearby_is_as_if_it_was_judged_anew(rested, monkeypatch):
+    planner = planner_for("anymal", START.model)
+    form = planner.formulation
+    task = make_task(replace(START, lateral=0.02), ANYMAL)
+    near = planner.plan(replace(START, lateral=0.01))
+    judged = with_bounds_nearby(form, task, near.jump, near.solution)
+    monkeypatch.setattr(type(form), "judged", None)  # which would be an error
+    known = with_bounds_nearby(form, task, near.jump, near.solution, [planner.last])
+    for name, bounds in judged.agreed_bounds.items():
+        for side in ("lower", "upper"):
+            expected, found = getattr(bounds, side), getattr(known.agreed_bounds[name], side)
+            assert found == pytest.approx(expected, abs=1e-9, nan_ok=True)
