@@ -49,6 +49,7 @@ class Process:
         self._process: SpawnProcess | None = None
         self._connection: Connection | None = None
         self._writer: threading.Thread | None = None
+        self._sending = threading.Lock()  # held until the writer has started
 
     def run(self) -> Iterator[Message]:
         """Start it and wait for messages, `Ready` first; raises `Ended` once it has gone."""
@@ -84,11 +85,14 @@ class Process:
     def send(self, job: Job, failed: Callable[[Exception], None]) -> None:
         """Give it a job; returns at once, `failed` is called if the job cannot be sent."""
         # A process that does not read keeps nobody waiting but this thread, which ends with it.
-        self._writer = threading.Thread(
-            target=self._write, args=(self._connection, job, failed), name=f"{self._name}-writer"
-        )
-        self._writer.daemon = True
-        self._writer.start()
+        with self._sending:
+            self._writer = threading.Thread(
+                target=self._write,
+                args=(self._connection, job, failed),
+                name=f"{self._name}-writer",
+                daemon=True,
+            )
+            self._writer.start()
 
     def _write(self, to: Connection, job: Job, failed: Callable[[Exception], None]) -> None:
         try:
@@ -123,8 +127,10 @@ class Process:
             how = f"signal {-code}" if code < 0 else f"exit status {code}"
         self._process = self.id = None
         # Closed only when no thread uses it any more: its number may be another file's soon.
-        if self._writer is not None:
-            self._writer.join()
+        with self._sending:
+            writer = self._writer
+        if writer is not None:
+            writer.join()
         if self._connection is not None:
             self._connection.close()
         return Ended(how, killed=code is not None and code < 0)

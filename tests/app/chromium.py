@@ -41,6 +41,7 @@ FOLDERS = (
     "Limits",
     "Atlas",
 )
+TAB_OF = {"More overlays": "View", "Several in one zip": "Files"}  # of folders; the others: More
 COMPARE = "Results"  # the tab with pins
 PACE = 80  # ms between inputs: the page sends at most one change every 50 ms
 
@@ -155,7 +156,7 @@ def tab(page, name):
 def unfold(page, name):
     """Open a folder of the panel."""
     if name not in ("Scenario", "Details"):
-        tab(page, "View" if name == "More overlays" else "More")
+        tab(page, TAB_OF.get(name, "More"))
     # By roles and names, which tests of the panel are about, it would take a tenth of a second.
     title = page.locator("[aria-expanded]").filter(has_text=_all_of(name))
     if title.get_attribute("aria-expanded") != "true":

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from app.tab.planning.beginning import LATER
 from tests.app.chromium import (
     base_node,
     number,
@@ -48,9 +49,9 @@ def test_it_plays_in_real_time_and_the_server_says_nothing(page):
     base = base_node(page)
     player(page, "play()")
     heard = None
-    while heard != len(page.heard):  # of what was done before
+    while heard != len(page.heard):  # of what was done before, and of the draft made later
         heard = len(page.heard)
-        page.wait_for_timeout(500)
+        page.wait_for_timeout(1e3 * LATER + 500)
     assert heard > 0
     poses = []
     for _ in range(8):

@@ -19,6 +19,7 @@ from tests.app.chromium import (
     press,
     status,
     tab,
+    unfold,
 )
 from tests.app.planners import turning_states
 from tests.app.synthetic_plan import synthetic_plan
@@ -57,9 +58,7 @@ def test_a_simulation_is_dropped_and_saved(page, files, tmp_path):
     drop(page, "run.npz", (files / "run.npz").read_bytes())
     page.get_by_role("status").filter(has_text="Landed from file run.npz").wait_for()
     wait_until(lambda: player(page, "clip.end") == pytest.approx(2.3), "its motion")
-    tab(page, "Files")
-    if not page.get_by_label("csv", exact=True).is_visible():
-        page.get_by_text("Several in one zip", exact=True).click()
+    unfold(page, "Several in one zip")
     for name in ("csv", "design"):
         page.get_by_label(name, exact=True).check()
         page.wait_for_timeout(PACE)

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import threading
+import time
 from contextlib import closing
 
 import pytest
@@ -70,3 +72,22 @@ def test_a_process_that_is_killed_as_it_starts_starts_once_more():
         tab.plan()
         assert isinstance(tab.outcome(), Planned)
         assert pool.process_ids[0] != killed
+
+
+def test_a_process_that_is_killed_as_it_is_given_a_job_starts_once_more(monkeypatch):
+    start, ended = threading.Thread.start, threading.Event()
+
+    def late(thread):  # as on a machine with more threads than processors
+        if thread.name.endswith("-writer") and not ended.is_set():
+            os.kill(pool.process_ids[0], signal.SIGKILL)
+            ended.set()
+            time.sleep(0.3)
+        start(thread)
+
+    with closing(WorkerPool(SyntheticPlanner, processes=1)) as pool:
+        wait_until(lambda: pool._members[0].idle, "the process")
+        monkeypatch.setattr(threading.Thread, "start", late)
+        tab = Tab(pool)
+        tab.plan()
+        assert isinstance(tab.outcome(), Planned)
+        assert ended.is_set()
