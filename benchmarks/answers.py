@@ -23,9 +23,9 @@ import typer
 
 import llsrbm
 from llsrbm.errors import Stop
-from llsrbm.planning.answer.nearest import distance
 from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import limits_of, make_task
+from llsrbm.planning.problem.shortfall import distance
 from llsrbm.planning.whole_body.refine import refiner_of
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
@@ -56,6 +56,7 @@ def answer(planner: Planner, jump: Jump, limits: dict[str, float], hurried: bool
             row["certified"] = error.nearest.certified
             row["distance"] = distance(task, error.nearest.jump)
             named = error.stops[: 1 if error.stops and error.stops[0].amount > 0 else 2]
+            named = tuple(stop for stop in named if stop.limit is not None)  # others are of shapes
             row["named"] = [stop.limit for stop in named]
             row["right"] = not hurried and bool(named) and _enough(planner, jump, limits, named)
         return row

@@ -18,9 +18,9 @@ import numpy as np
 import typer
 
 import llsrbm
-from llsrbm.planning.answer.nearest import distance
 from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.planning.problem.shortfall import distance
 from llsrbm.request.jump import COMPONENTS, Jump
 
 HALVINGS = 6

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.certified_nearest import NOT_FOUND, plan_or_nearest
+from llsrbm.certified_nearest import from_table, is_unlikely, less_alone, whole_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
@@ -97,24 +97,24 @@ def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool
         cancelled=drafting.cancelled,
         progress=drafting.progress,
     )
-    found = planner.from_table(task, drafting.intervals)
-    if found is not None:
-        return found
+    near = from_table(planner, task, drafting.intervals, less=drafting.patient)
+    if near is not None and near.plan.jump == task.jump:
+        return near.plan
+    if near is not None:  # what stops the rest is known
+        if is_unlikely(task.jump, task.tuning, task.robot):
+            raise less_alone(near, task.jump)
+        drafting = replace(drafting, patient=False, explains=False)
     try:
         draft = drafting.draft(task.jump, robot)
     except NotConverged as error:
+        if near is not None:
+            raise less_alone(near, task.jump) from None
         if error.nearest is None:
             raise
-        less = plan_or_nearest(planner, error.nearest, task.jump)
+        less = whole_or_nearest(planner, error.nearest, task.jump, None)
         message = not_feasible(error.reason, task.jump, less.jump)
         raise NotConverged(message, error.plan, error.stops, less, error.reason) from None
-    if not drafting.patient:
-        return replace(planner, guesses=False).plan(draft)
-    found = plan_or_nearest(planner, draft, task.jump, tried=True)
-    if found.jump != task.jump:
-        message = not_feasible(NOT_FOUND, task.jump, found.jump)
-        raise NotConverged(message, draft, nearest=found, reason=NOT_FOUND)
-    return found
+    return whole_or_nearest(planner, draft, task.jump, near)
 
 
 def largest(

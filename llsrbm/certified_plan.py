@@ -5,27 +5,43 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
 from llsrbm.certificate import certified
 from llsrbm.certificate.power import BatteryCurrent, Regeneration, WindingHeat
-from llsrbm.errors import InputError
+from llsrbm.errors import Stop
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.robot import robot_of
 from llsrbm.ocp.progress import interruptible
-from llsrbm.planning.problem.placement import make_task, retargeted
+from llsrbm.planning.problem.placement import retargeted
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.planning.whole_body.feasible import feasible_of
+from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.learned_file import fits
-from llsrbm.planning.whole_body.refine import planned, planned_through, refined, refiner_of, untried
-from llsrbm.request.jump import Jump
+from llsrbm.planning.whole_body.nearest import nearest
+from llsrbm.planning.whole_body.refine import (
+    Refiner,
+    planned,
+    planned_through,
+    refined,
+    refiner_of,
+    untried,
+)
 from llsrbm.robots import load_robot
 from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 
-FINER = 1.5  # times as many intervals where a certificate does not hold
+FINER = 2.0  # times as many intervals where a certificate does not hold
 # Checks of what no row of the problem has; what fails of them does so on any grid.
 WITHOUT_ROWS = (Regeneration.name, BatteryCurrent.name, WindingHeat.name)
+
+
+class Nearest(NamedTuple):
+    """The certified plan of the nearest jump; stop: what stops more, None: it is not known."""
+
+    plan: Plan
+    stop: Stop | None
 
 
 @dataclass(frozen=True)
@@ -73,16 +89,28 @@ class CertifiedPlanner:
         assert other.refinement is not None
         return replace(best, refinement=best.refinement.beside(other.refinement))
 
-    def nearby(self, draft: Plan, jump: Jump) -> Plan | None:
-        """`from_table` of another jump under a draft's weights and limits."""
-        tuning = draft.tuning
-        if not fits(jump.on_ground(0.0), tuning):  # less of a gap may be no gap at all
+    def nearest(
+        self, task: Task, intervals: int = INTERVALS, *, less: bool = True
+    ) -> Nearest | None:
+        """The certified plan of a task's jump, or of `less`, by moving a landing of the table's.
+
+        None: the robot has no table of such jumps, or none is found from there. `intervals`: as for
+        three phases. Raises `Cancelled`: `cancelled` was true.
+        """
+        robot, tuning = with_strength(self.robot or load_robot(task.jump.robot)), task.tuning
+        feasible = feasible_of(robot)
+        if not self.guesses or feasible is None or not fits(task.jump.on_ground(0.0), tuning):
             return None
-        try:
-            task = make_task(jump, self.robot or robot_of(draft), tuning.weights, tuning.limits)
-        except InputError:  # a leg does not reach its stone there
-            return None
-        return self.from_table(task)
+        grid = Grid.at(task.schedule, layout_of(task.jump, robot, intervals).intervals)
+        refiner, watch = Refiner(robot, grid), self._watch
+        for reached in nearest(refiner, task, feasible, watch):
+            if not less and reached.jump != task.jump:
+                return None
+            at = retargeted(task, reached.jump)
+            found = self.held(refiner.beside(at, reached.solution, watch, straighter=True))
+            if found.certified:
+                return Nearest(found, None if reached.edge is None else reached.edge.stop())
+        return None
 
     def from_table(self, task: Task, intervals: int = INTERVALS) -> Plan | None:
         """The certified plan of a task, begun from the robot's table; None: not found from there.

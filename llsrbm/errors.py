@@ -116,7 +116,7 @@ class NotConverged(Error):
     """No plan satisfies every constraint.
 
     Attributes:
-        plan: the last iterate.
+        plan: the last iterate; or `nearest`, where that was found without one of the request.
         stops: the limits that stop the jump, the most important first.
         nearest: the plan of the nearest jump that can be done; None if there is none.
         reason: one sentence, of at most two limits; "" if none is known.

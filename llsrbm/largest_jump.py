@@ -14,6 +14,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
 
+import numpy as np
+
 from llsrbm.certificate import Finding, stated
 from llsrbm.certified_nearest import NOT_FOUND
 from llsrbm.certified_plan import CertifiedPlanner
@@ -29,8 +31,9 @@ from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.binding import Edge
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.nearest import PRICE
 from llsrbm.planning.whole_body.refine import Refiner
-from llsrbm.request.jump import STEPS, Jump
+from llsrbm.request.jump import COMPONENTS, STEPS, Jump
 from llsrbm.request.messages import look_up
 from llsrbm.request.route import FURTHEST
 from llsrbm.robots import load_robot
@@ -38,6 +41,9 @@ from llsrbm.robots.payload import with_payload
 
 # Of the file's range, where the table's furthest jump is looked for.
 SHARES = (1.0, 0.75, 0.5, 0.25)
+NEARBY = 2  # steps that are tried at once from where a landing has been moved to
+BACK = (0, 1, 3, 6)  # steps before that which are tried where its certificate does not hold
+OF_INTERVALS = ("dynamics", "slip")
 NO_LIMIT = "no limit of the robot stops it as far as was searched"
 
 
@@ -149,6 +155,9 @@ class Search:
     def run(self) -> tuple[list[Reached], str]:
         """Ever larger jumps, and what stops more. Raises `NotConverged`: not one is planned."""
         way, missed, step = [self._begun()], Missed(), self.direction.first
+        if (further := self._moved(way[-1])) is not None:
+            way.append(further)
+            step = NEARBY
         while step and way[-1].steps < self.direction.furthest:
             most = min(way[-1].steps + step, self.direction.furthest)
             found = self._tried(most, way[-1])
@@ -183,6 +192,31 @@ class Search:
             why = reached.why or NOT_FOUND
             raise NotConverged(f"no jump to begin from: {why}", found, reason=why)
         return reached
+
+    def _moved(self, best: Reached) -> Reached | None:
+        """The furthest that its landing can be moved to at once; None: not from there."""
+        direction, at = self.direction, self._task(best.steps)
+        if at.schedule.places > 1:  # what lies between goes with the landing
+            return None
+        wanted = np.zeros(len(COMPONENTS))
+        left = direction.value(direction.furthest) - direction.value(best.steps)
+        wanted[COMPONENTS.index(direction.field)] = direction.sign * left
+        progress = self._saying(direction.furthest, best)
+        watch = Watch(self.drafting.cancelled, progress)
+        moved = self._refiner.moved(at, best.solution, wanted, PRICE, watch)
+        if moved is None:
+            return None
+        offset = moved.offset[COMPONENTS.index(direction.field)]
+        reached = getattr(at.jump, direction.field) + float(offset)
+        for back in BACK:
+            steps = direction.steps(reached) - back
+            if steps <= best.steps:
+                break
+            plan = self._refiner.beside(self._task(steps), moved.solution, watch, straighter=True)
+            found = self._judged(steps, plan, progress)
+            if isinstance(found, Reached):
+                return found
+        return None
 
     def _tried(self, steps: int, best: Reached | None = None) -> Reached | Missed:
         """A jump, begun from the largest that is planned, or from the table's."""
@@ -261,10 +295,11 @@ def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
 
 def _not_held(plan: Plan) -> str:
     """The first check of a certificate that does not hold, in words; "" where the robot has no part
-    in it: what the equations of motion miss between nodes is of the intervals.
+    in it: what the equations of motion miss between nodes is of the intervals, and with them feet
+    slip there.
     """
     found = stated(plan)
-    broken = [each for each in found.broken if each.name != "dynamics"] if found else []
+    broken = [each for each in found.broken if each.name not in OF_INTERVALS] if found else []
     return _in_words(broken[0]) if broken else ""
 
 

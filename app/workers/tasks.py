@@ -150,7 +150,10 @@ class RefinePlan(Task):
         return "whole body", *solver_of(self.plan.jump)
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
-        return Planned(talk.job, planner.refine(self, talk.progress, talk.cancelled))
+        try:
+            return Planned(talk.job, planner.refine(self, talk.progress, talk.cancelled))
+        except NotConverged as error:
+            return Refused(talk.job, self.wanted, error.reason, error.plan, error.nearest)
 
 
 @dataclass(frozen=True)

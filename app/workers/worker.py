@@ -95,16 +95,23 @@ class LibraryPlanner:
     def refine(
         self, task: tasks.RefinePlan, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """The whole body's plan from a draft or of less; that draft where none was found."""
-        from llsrbm.certified_nearest import plan_or_nearest
+        """The whole body's plan, where its robot has a table as the command line makes it.
+
+        Else from the draft, or that itself. Raises `NotConverged`: less alone is found.
+        """
+        from llsrbm.certified_nearest import is_known, whole_or_nearest
         from llsrbm.certified_plan import CertifiedPlanner
+        from llsrbm.motion.robot import robot_of
 
         self._announce_whole_body(task.plan.jump, progress)
-        planner = CertifiedPlanner(
-            progress=lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
-            cancelled=cancelled,
-        )
-        return plan_or_nearest(planner, task.plan, task.wanted)
+        how: dict[str, Any] = {
+            "progress": lambda p: progress(p.text, iteration=p.iteration, residual=p.residual),
+            "cancelled": cancelled,
+        }
+        tuning = task.plan.tuning
+        if is_known(task.wanted, tuning, robot_of(task.plan)):
+            return llsrbm.plan(task.wanted, weights=tuning.weights, limits=tuning.limits, **how)
+        return whole_or_nearest(CertifiedPlanner(**how), task.plan, task.wanted, None)
 
     def largest(
         self, task: tasks.FindLargest, progress: ProgressListener, cancelled: Callable[[], bool]

@@ -1,4 +1,4 @@
-"""`plan_or_nearest`: less of a jump where the whole body does not do all of a draft's."""
+"""What is done where the table, a landing that is moved, and a draft lead to different jumps."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -6,95 +6,111 @@ from dataclasses import dataclass, field, replace
 import pytest
 
 import llsrbm
-from llsrbm.certified_nearest import plan_or_nearest
-from llsrbm.certified_plan import CertifiedPlanner
+from llsrbm import certified_nearest
+from llsrbm.certified_nearest import from_table, whole_or_nearest
+from llsrbm.certified_plan import Nearest
+from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.solve_report import Refinement
+from llsrbm.planning.problem.placement import make_task
+from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.player.stages import stored_plan
 
 ALL = llsrbm.Jump(robot="go2", twist=math.radians(80), forward=0.4, lateral=0.1)
+HARD = replace(ALL, twist=math.pi, forward=0.6, lateral=0.3, height=0.25)
+LESS = replace(ALL, twist=math.radians(70))
+
+
+def certified_of(jump):
+    return replace(stored_plan(), jump=jump)
+
+
+def less_of_all(stop=None):
+    return Nearest(certified_of(LESS), stop)
 
 
 @dataclass(frozen=True)
 class Whole:
-    """A planner whose robot turns by a share of ALL's twist; from drafts it finds nothing."""
+    """A planner that knows some jumps from a table, and from drafts finds some or nothing."""
 
-    twist: float
+    table: tuple = ()
+    near: Nearest | None = None
+    drafts: tuple = ()
     robot: None = None
     guesses: bool = True
     finer: bool = True
     searched: list = field(default_factory=list)
 
-    def nearby(self, draft, jump):
-        does = jump.twist <= self.twist * ALL.twist
-        return replace(stored_plan(), jump=jump) if does else None
+    def from_table(self, task, intervals):
+        self.searched.append("table")
+        return certified_of(task.jump) if task.jump in self.table else None
+
+    def nearest(self, task, intervals, *, less):
+        self.searched.append("nearest" if less else "all")
+        return self.near
 
     def plan(self, draft):
-        self.searched.append(draft.jump)
+        self.searched.append("finer" if self.finer else "draft")
+        if draft.jump in self.drafts:
+            return certified_of(draft.jump)
         failed = Refinement("not-converged", 200, 2.0, 2.0, 0.0, 1.0)
         return replace(draft, refinement=failed)
 
 
-def answer(whole, draft, wanted):
-    return plan_or_nearest(whole, replace(planned("go2"), jump=draft), wanted)
+def task(jump):
+    return make_task(jump, load_robot("go2"))
 
 
-def test_of_a_request_all_components_are_reduced_alike_in_whole_steps():
-    whole = Whole(twist=0.6)
-    found = answer(whole, ALL, ALL)
-    assert found.certified
-    assert whole.searched == [ALL]
-    assert math.degrees(found.jump.twist) == pytest.approx(40)  # half of it
-    assert (found.jump.forward, found.jump.lateral) == pytest.approx((0.2, 0.05))
+def draft(jump):
+    return replace(planned("go2"), jump=jump)
 
 
-def test_only_what_the_draft_gives_up_is_reduced_further():
-    whole, draft = Whole(twist=0.6), replace(ALL, twist=math.radians(70))
-    found = answer(whole, draft, ALL)
-    assert found.certified
-    assert not whole.searched
-    assert math.degrees(found.jump.twist) == pytest.approx(43)  # 5/8 of 70 degrees
-    assert (found.jump.forward, found.jump.lateral) == (0.4, 0.1)
+def test_what_the_table_leads_to_is_taken():
+    whole = Whole(table=(ALL,))
+    assert from_table(whole, task(ALL)).plan.jump == ALL
+    assert whole.searched == ["table"]
 
 
-def test_what_is_unlikely_is_not_searched_from_its_draft():
-    hard = replace(ALL, twist=math.pi, forward=0.6, lateral=0.3, height=0.25)
-    whole = Whole(twist=1.2)
-    found = answer(whole, hard, hard)
-    assert found.certified
-    assert not whole.searched
-    assert math.degrees(found.jump.twist) == pytest.approx(90)  # half of it
+@pytest.mark.parametrize("less", [True, False])
+def test_else_a_landing_is_moved(less):
+    whole = Whole(near=less_of_all())
+    assert from_table(whole, task(ALL), less=less).plan.jump == LESS
+    assert whole.searched == ["table", "nearest" if less else "all"]
 
 
-def test_what_the_draft_does_is_taken_where_the_whole_body_does_it():
-    draft = replace(ALL, twist=math.radians(70))
-    assert answer(Whole(twist=0.9), draft, ALL).jump == draft
+def test_what_is_unlikely_is_not_solved_as_it_is():
+    whole = Whole(near=less_of_all())
+    assert from_table(whole, task(HARD)).plan.jump == LESS
+    with pytest.raises(NotConverged):
+        whole_or_nearest(whole, draft(HARD), HARD, whole.near)
+    assert whole.searched == ["nearest"]
 
 
-def test_where_nothing_less_is_known_the_draft_is_left_and_says_so():
-    whole = Whole(twist=-1.0)
-    for draft in (ALL, replace(ALL, twist=math.radians(70))):
-        found = answer(whole, draft, ALL)
-        assert not found.certified
-        assert found.jump == draft
-    assert whole.searched == [ALL, draft]
+def test_a_draft_of_all_of_it_may_lead_there_where_less_is_found():
+    whole = Whole(near=less_of_all(), drafts=(ALL,))
+    assert whole_or_nearest(whole, draft(ALL), ALL, whole.near).jump == ALL
+    assert whole.searched == ["finer"]
 
 
-def test_a_table_answers_for_less_of_a_draft():
-    draft = planned("go2")
-    less = replace(draft.jump, twist=draft.jump.twist / 2)
-    found = CertifiedPlanner().nearby(draft, less)
-    assert found.certified
-    assert found.jump == less
-    assert CertifiedPlanner(guesses=False).nearby(draft, less) is None
+def test_less_is_the_nearest_and_says_what_stops_more():
+    stop = Stop("speed", "take-off", 0.4, 0.0, "1", title="a calf is too slow")
+    for draft_of in (ALL, LESS):
+        with pytest.raises(NotConverged, match="a calf is too slow") as refusal:
+            whole_or_nearest(Whole(), draft(draft_of), ALL, less_of_all(stop))
+        assert refusal.value.nearest.jump == LESS
+        assert refusal.value.nearest.certified
+        assert refusal.value.stops == (stop,)
+        assert "70° instead of 80°" in str(refusal.value)
 
 
-def test_of_types_without_a_table_no_less_is_looked_for():
-    draft = planned("go2")
-    assert CertifiedPlanner().nearby(draft, replace(draft.jump, type="gap", forward=0.0)) is None
+def test_where_nothing_is_known_to_stop_it_that_is_said():
+    with pytest.raises(NotConverged) as refusal:
+        whole_or_nearest(Whole(), draft(ALL), ALL, less_of_all())
+    assert refusal.value.reason == certified_nearest.NOT_FOUND
 
 
-def test_there_is_no_less_of_a_route():
-    route = llsrbm.Jump(robot="go2", route=({"forward": 0.3}, {"forward": 0.2, "twist": 0.3}))
-    found = answer(Whole(twist=1.0), route, route)
-    assert (found.jump, found.certified) == (route, False)
+def test_without_a_table_a_draft_of_less_is_solved_on_one_grid():
+    whole = Whole(drafts=(LESS,))
+    assert whole_or_nearest(whole, draft(LESS), ALL, None).jump == LESS
+    assert not whole_or_nearest(Whole(), draft(ALL), ALL, None).certified
+    assert whole.searched == ["draft"]

@@ -66,7 +66,7 @@ def test_what_a_table_leads_to_is_planned_on_a_finer_grid_as_well(monkeypatch):
         return replace(found, certificate=checks)
 
     monkeypatch.setattr(certified_plan, "certified", judged)
-    found = CertifiedPlanner().nearby(draft(), draft().jump)
+    found = CertifiedPlanner().from_table(make_task(draft().jump, load_robot("go2")))
     coarse, fine = tried
     assert len(found.time) == len(fine.time) > 1.4 * len(coarse.time)
     assert fine.certificate is None  # no certificate but its own

@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 
+import numpy as np
 import pytest
 
 import llsrbm
@@ -12,6 +13,7 @@ from llsrbm.errors import JointNeed, NotConverged, Stop
 from llsrbm.largest_jump import DIRECTIONS, NO_LIMIT, Direction
 from llsrbm.motion.solve_report import Refinement
 from llsrbm.ocp.horizon import Iterate
+from llsrbm.planning.whole_body.refine import Moved
 from llsrbm.request.jump import Jump
 from tests.llsrbm.player.stages import stored_plan
 
@@ -27,14 +29,23 @@ class Refines:
     reachable: object
     from_table: object = None
     drafts: bool = True
+    offset: float | None = None  # by which a landing can be moved forward
     tried: list = field(default_factory=list)
     rows = "rows"
 
     def nearby(self, jump, tuning):
         return None if self.from_table is None else Iterate("table", jump)
 
-    def beside(self, task, nearby, watch):
+    def moved(self, task, nearby, wanted, price, watch):
+        if self.offset is None:
+            return None
+        self.wanted = wanted
+        offset = np.array([0.0, self.offset, 0.0, 0.0])
+        return Moved(Iterate("moved", None), offset, None)
+
+    def beside(self, task, nearby, watch, *, straighter=False):
         watch.begin("whatever is done for it")
+        assert straighter == (nearby.variables == "moved")
         reachable = self.from_table if nearby.variables == "table" else self.reachable
         self.tried.append((nearby.variables, task.jump))
         return self._plan(task.jump, found=reachable(task.jump))
@@ -197,3 +208,25 @@ def test_go2_jumps_higher_than_its_file_takes(monkeypatch):
     assert found.plan.certified
     assert llsrbm.certify(found.plan).holds
     assert Refinement(**vars(found.plan.refinement)).status == "solved"
+
+
+def test_a_landing_is_moved_as_far_as_it_can_be_at_once(search):
+    refiner = Refines(
+        lambda jump: jump.forward < 0.745, lambda jump: jump.forward < 0.7, offset=0.1451
+    )
+    found = search(refiner, GO2, "forward")
+    assert refiner.wanted == pytest.approx([0.0, 3.0 - 0.6, 0.0, 0.0])
+    assert found.value == pytest.approx(0.74)
+    assert len(found.smaller) == 1  # 0.60 m, of the table
+    moved = [jump.forward for of, jump in refiner.tried if of == "moved"]
+    assert moved == pytest.approx([0.74])
+
+
+def test_where_its_certificate_does_not_hold_some_steps_before_are_tried(search):
+    refiner = Refines(
+        lambda jump: jump.forward < 0.715, lambda jump: jump.forward < 0.7, offset=0.1451
+    )
+    found = search(refiner, GO2, "forward")
+    moved = [jump.forward for of, jump in refiner.tried if of == "moved"]
+    assert moved == pytest.approx([0.74, 0.73, 0.71])
+    assert found.value == pytest.approx(0.71)

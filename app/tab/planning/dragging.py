@@ -1,9 +1,9 @@
 """Planning while a slider moves: what to plan next, and from which plan to start.
 
 While a request changes, plans are sought quickly, each from the one before. When it has rested, it
-is planned once more from scratch, or, where the whole body is known to do it, by the whole body at
-once: what is shown in the end does not depend on the way there, and is what the command line finds
-for the same request.
+is planned once more from scratch, or, where the robot's table knows such jumps, by the whole body
+at once: what is shown in the end does not depend on the way there, and is what the command line
+finds for the same request.
 """
 
 from __future__ import annotations

@@ -16,13 +16,13 @@ from app.tab.state import TabState
 from app.workers.reports import FoundLargest, Planned, Refused, Report
 from app.workers.tasks import FindLargest, PlanJump, RefinePlan, Task
 from llsrbm.atlas.tracks import Track, learned, tracks, why_unknown
+from llsrbm.motion.plan import Plan
 from llsrbm.number_text import short
 from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
 
 _SLACK = 1e-6  # of a range: ends that are the same in other units differ in their last bits
-LIKELY = 1.0  # score: odds of nearly three to one
 
 
 def learn(state: TabState, report: Report, task: Task) -> TabState:
@@ -38,14 +38,10 @@ def learn(state: TabState, report: Report, task: Task) -> TabState:
     return replace(state, feasible={**state.feasible, robot.name: found})
 
 
-def is_likely(state: TabState) -> bool:
-    """Whether the design's jump is known to be planned, more surely than not."""
+def is_known(state: TabState) -> bool:
+    """Whether the robot's table knows jumps like the design's."""
     robot, design = state.robot, state.design
-    if robot is None or why_unknown(design.jump, design.tuning.limits, robot):
-        return False
-    found = state.feasible.get(robot.name) or feasible_of(robot)
-    assert found is not None
-    return found.score(design.jump) > LIKELY
+    return robot is not None and not why_unknown(design.jump, design.tuning.limits, robot)
 
 
 def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
@@ -55,6 +51,8 @@ def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
             return draft.tuning, {wanted: False} | ({plan.jump: True} if plan.certified else {})
         case FindLargest(), FoundLargest(largest=found):
             return task.tuning, {found.plan.jump: True}
+        case RefinePlan(plan=draft, wanted=wanted), Refused(nearest=Plan() as less):
+            return draft.tuning, {wanted: False, less.jump: True}
         case PlanJump(jump=jump, patient=True), Refused():
             return task.tuning, {jump: False}
     return Tuning(), {}

@@ -13,7 +13,6 @@ from app.tab.shown import Given, Shown
 from app.tab.simulating import simulate_next
 from app.tab.state import TabState
 from app.workers import reports, tasks
-from llsrbm.certified_nearest import NOT_FOUND
 from llsrbm.motion.plan import Plan
 
 FOLLOWS = "(the whole body's plan follows) ..."
@@ -82,19 +81,25 @@ def take_refined(state: TabState, event: Reported) -> Step:
             return replace(state, status=status), ()
         case reports.Planned(plan=plan) if state.whole_body:
             return _show(state.with_work(shown=state.work.newest), plan, task.plan)
+        case reports.Refused(reason=reason, nearest=Plan() as less) if state.whole_body:
+            state = state.with_work(shown=state.work.newest)
+            return _show(state, less, task.plan, reason)
         case reports.Failed(message=message):
             return state.without_sequel().with_status(Verdict.FAILED, message), ()
     return _show(state.without_sequel(), task.plan)
 
 
-def _show(state: TabState, plan: Plan, centroidal: Plan | None = None) -> Step:
+def _show(
+    state: TabState, plan: Plan, centroidal: Plan | None = None, stopped_by: str = ""
+) -> Step:
+    """Show a plan of the whole body, or its draft again; `stopped_by`: why it is of less."""
     shown, robot = state.shown, state.robot
     if shown is None or robot is None:
         return state, ()
-    wanted, reason = shown.wanted, shown.reason
-    if wanted is None and centroidal is not None and plan.jump != centroidal.jump:
-        wanted, reason = centroidal.jump, NOT_FOUND
-    elif wanted == plan.jump:  # a draft again, of which the whole body does less
+    wanted, reason = shown.wanted, stopped_by or shown.reason
+    if stopped_by and wanted is None:
+        wanted = shown.plan.jump
+    elif wanted == plan.jump:  # a draft again, of which the whole body does less; or all of it
         wanted, reason = None, ""
     state = show_plan(
         state, plan, robot, shown.source, wanted, reason=reason, centroidal=centroidal

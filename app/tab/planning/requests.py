@@ -7,7 +7,7 @@ from app.panel.jump_types import not_supported, types_offered, with_type
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, submit
 from app.tab.effects import Keep, Queue, Stop
-from app.tab.planning.feasible import is_likely
+from app.tab.planning.feasible import is_known
 from app.tab.planning.known import show_again, with_answer
 from app.tab.planning.refining import refine, wants_refining
 from app.tab.simulating import simulate_again, simulate_next
@@ -84,16 +84,16 @@ class Rested:
 
 @on(Rested)
 def rest(state: TabState, event: Rested) -> Step:
-    """A request that has rested is planned from scratch: by the whole body at once, where it is
-    known to do that.
+    """A request that has rested is planned from scratch: by the whole body at once, where the
+    robot's table knows such jumps.
     """
     dragging, task = state.work.dragging.rested(event.number)
     if task is None:
         return state, ()
     state = state.with_work(dragging=dragging)
     shown = state.shown
-    drafted = shown is not None and (shown.plan.jump, shown.plan.tuning) == (task.jump, task.tuning)
-    if drafted and wants_refining(state) and is_likely(state):
+    drafted = shown is not None and (shown.request, shown.plan.tuning) == (task.jump, task.tuning)
+    if drafted and wants_refining(state) and is_known(state):
         return settle(state)
     return _submit_plan(state, task, follows=True)
 

@@ -17,6 +17,7 @@ from llsrbm.errors import NoFooting
 from llsrbm.ocp import solvers
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.placement import retargeted
+from llsrbm.planning.problem.shortfall import distance
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import excess
 from llsrbm.planning.solve.formulation import (
@@ -203,16 +204,6 @@ def stands(task: Task) -> bool:
     except NoFooting:
         return False
     return True
-
-
-def distance(task: Task, jump: Jump) -> float:
-    """Distance of a jump from a task's request: components as shares of the robot's ranges."""
-    requested, own = task.requested or task.jump, task.robot.file.task
-    shares = (
-        (getattr(requested, name) - getattr(jump, name)) / ((high - low) or 1.0)
-        for name, (low, high) in ((name, getattr(own, name)) for name in COMPONENTS)
-    )
-    return math.hypot(*shares)
 
 
 def _rounded(task: Task, furthers: Iterable[float]) -> Iterator[Jump]:

@@ -16,11 +16,12 @@ import numpy as np
 from llsrbm.arrays import Array
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.plan import Plan
-from llsrbm.planning.answer.nearest import LEAST_SHORTFALL, NEARER_DEARER, Nearest, distance
+from llsrbm.planning.answer.nearest import LEAST_SHORTFALL, NEARER_DEARER, Nearest
 from llsrbm.planning.problem.constraints import CONSTRAINTS, Constraint
 from llsrbm.planning.problem.jump_horizon import row_bounds, row_places
 from llsrbm.planning.problem.limits import Limit, limits_in
 from llsrbm.planning.problem.placement import describe
+from llsrbm.planning.problem.shortfall import distance
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.problem.violations import (
     describe_worst,

@@ -8,6 +8,8 @@ that nothing is given up that can be done, and of several components as few as w
 says nothing, the shares change nothing: then all of the request is done.
 """
 
+import math
+
 import numpy as np
 
 from llsrbm.arrays import Array
@@ -15,7 +17,17 @@ from llsrbm.planning.problem.foot_clearance import FAR, edge_ranges, ground_shar
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.stones import offsets
 from llsrbm.planning.problem.task import Task
-from llsrbm.request.jump import COMPONENTS
+from llsrbm.request.jump import COMPONENTS, Jump
+
+
+def distance(task: Task, jump: Jump) -> float:
+    """Distance of a jump from a task's request: components as shares of the robot's ranges."""
+    requested, own = task.requested or task.jump, task.robot.file.task
+    shares = (
+        (getattr(requested, name) - getattr(jump, name)) / ((high - low) or 1.0)
+        for name, (low, high) in ((name, getattr(own, name)) for name in COMPONENTS)
+    )
+    return math.hypot(*shares)
 
 
 def shortfall_sizes(layout: Layout) -> dict[str, int]:

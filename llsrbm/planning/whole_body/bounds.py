@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -13,6 +13,7 @@ from llsrbm.body.knee_room import knee_room
 from llsrbm.mechanics import INSCRIBED
 from llsrbm.motion.surroundings import SLOPING
 from llsrbm.planning.problem.foot_clearance import clearance_line, edge_range
+from llsrbm.planning.problem.placement import retargeted
 from llsrbm.planning.whole_body.grid import Grid, Knot
 from llsrbm.planning.whole_body.legs import LANDING_UNIT
 from llsrbm.planning.whole_body.sizes import EQUALITIES, Sizes
@@ -28,6 +29,7 @@ LOWER_CORNERS = 0.03  # m, a sole's corners, as soles may lean; near the ground 
 # ground early, which takes from a twist: eight of Go2's jumps turned 9.4 degrees too little at the
 # median when feet could come from 3 cm over a fifth of their swing, 4.3 when braked by 120 m/s2.
 BRAKED_FROM = 0.04
+HIGHER = 0.01  # m by which a landing is raised to see what that changes
 SHANKS = 0.75  # of the distance that feet keep
 RISING = 1 / 3  # of the knees' margin before a flight; simulated knees come lower as they land
 
@@ -71,6 +73,8 @@ class RowBounds:
         match name:
             case "durations":
                 return self.start.duration_bounds
+            case "offset":
+                return self.start.offset_bounds
             case "stop":
                 lower, upper = self.robot.kept_stops
                 return lower, upper
@@ -142,6 +146,23 @@ class RowBounds:
             if self.sizes.corners > 1:
                 found.append([line[leg] - lean[leg]] * self.sizes.corners)
         return np.concatenate(found)
+
+    def rises(self) -> Array:
+        """(N + 1, 2, L, H) by how much more feet clear, at a knot and in the middle after it, where
+        what they land on is higher by one.
+        """
+        task = self.start.task
+        jump = replace(task.jump, height=task.jump.height + HIGHER)
+        above = replace(self, start=replace(self.start, task=retargeted(task, jump)))
+        found = np.zeros((len(self.grid.knots), 2, self.sizes.legs, self.sizes.heights))
+        for half in range(1, 2 * self.grid.intervals):
+            knot = self.grid.knots[half // 2]
+            swinging = self._swinging(knot, half)
+            if swinging:
+                raised = above._lowest(knot, half) - self._lowest(knot, half)
+                each = raised.reshape(len(swinging), -1) / HIGHER
+                found[half // 2, half % 2, swinging] = each
+        return found
 
     def _sloping(self, half: int, phase: int) -> Array:
         """(L,) m that surfaces rise from where feet stood, or will, to below the start's feet.

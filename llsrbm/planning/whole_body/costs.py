@@ -30,6 +30,7 @@ WIDTHS = {
 SLIDE = 0.2  # m of a joint that slides for a rad of one that turns
 LEVEL = 0.05  # half the sine, about, of the angle by which a base leans
 TIME = 0.1  # s
+ROUNDED = 0.01  # cost below which that of an offset is rounded
 
 
 def of_knot(
@@ -48,6 +49,15 @@ def of_knot(
     cost += weight["joint_speed"] * ca.sumsqr(state["joint_velocity"] / width["joint_velocity"])
     standing = state["joint_position"] - near["posture"]
     return cost + weight["posture"] * ca.sumsqr(standing / width["joint_position"])
+
+
+def of_offset(offset: Any, wanted: Any, price: Any) -> Any:
+    """Cost of what is wanted and not done: it grows evenly with the distance between both.
+
+    What it is where it does not count is zero.
+    """
+    distance = ca.sqrt(ca.sumsqr(price * (wanted - offset)) + ROUNDED**2)
+    return distance - ROUNDED + ca.sumsqr(offset)
 
 
 def of_durations(durations: Any, weight: Mapping[str, Any]) -> Any:

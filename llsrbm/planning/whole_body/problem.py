@@ -16,10 +16,14 @@ from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
 from llsrbm.planning.whole_body.stage import composed_stage
 from llsrbm.planning.whole_body.start import LANDED, Start
+from llsrbm.request.jump import COMPONENTS
 from llsrbm.request.slopes import normals
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
+
+
+HEIGHT = COMPONENTS.index("height")
 
 
 def make_horizon(sizes: Sizes, grid: Grid) -> Horizon:
@@ -69,7 +73,29 @@ def _parameters(rows: RowBounds) -> Array:
     own["heading"][:] = start.heading.reshape(len(values), -1)
     for k, phase in enumerate(grid.phase):
         own["towards"][k] = start.task.towards(int(phase)).ravel()
+    _offset(rows, own)
     return values.ravel()
+
+
+def _offset(rows: RowBounds, own: dict[str, Array]) -> None:
+    """Write an offset of the landing and all that goes with it; nothing where none is wanted."""
+    grid, start, task = rows.grid, rows.start, rows.start.task
+    if not start.price:
+        return
+    last, ranges = task.places[-1], rows.robot.file.task
+    own["free"][:], own["wanted"][:] = start.wanted != 0, start.wanted
+    own["price"][:] = start.price / np.array(
+        [np.ptp(getattr(ranges, n)) or 1.0 for n in COMPONENTS]
+    )
+    own["pivot"][:] = last.origin
+    # On the way down feet keep beyond an edge that is as far from where they land.
+    own["edges"][:] = task.jump.height < 0 or start.wanted[HEIGHT] < 0
+    for k, knot in enumerate(grid.knots):
+        there = task.footholds_before(grid.phase_at(2 * k)).feet == last.feet
+        rests = list(knot.resting)
+        own["moves"][k, rests] = there.all(axis=1)[rests]
+    rises = rows.rises().reshape(len(grid.knots), 2, -1)
+    own["rises"][:], own["rises_in_middle"][:] = np.swapaxes(rises, 0, 1)
 
 
 def _rolled(robot: Robot, grid: Grid, start: Start) -> Array:

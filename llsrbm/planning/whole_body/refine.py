@@ -8,7 +8,9 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import NamedTuple
 
+from llsrbm.arrays import Array
 from llsrbm.mechanics import quaternions_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
@@ -21,6 +23,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.kept import kept
 from llsrbm.planning.solve.solver_cache import Subject, cached_solver, is_compiling
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.planning.whole_body.binding import Edge
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.joined import joined
@@ -30,7 +33,7 @@ from llsrbm.planning.whole_body.problem import make_horizon
 from llsrbm.planning.whole_body.result import Feet, plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
-from llsrbm.planning.whole_body.start import Start, footholds, start_of, tilts
+from llsrbm.planning.whole_body.start import Start, footholds, start_of, tilts, without_offset
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.request.jump import Jump
 from llsrbm.request.tuning import Tuning
@@ -43,6 +46,18 @@ _log = logging.getLogger(__name__)
 SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 _DIGITS = 8  # of what tells kinds of robots apart in names of files
 SOLVED, FAILED, UNTRIED = "solved", "not-converged", "not-tried"
+
+
+class Moved(NamedTuple):
+    """Where a landing is moved to.
+
+    Attributes:
+        solution: of that landing; offset: (4,) rad and m by which it is moved; edge: what stops it.
+    """
+
+    solution: Iterate
+    offset: Array
+    edge: Edge
 
 
 class Refiner:
@@ -142,10 +157,18 @@ class Refiner:
             nearby = self.solution
         return found
 
-    def beside(self, task: Task, nearby: Iterate, watch: Watch, *, alone: bool = False) -> Plan:
+    def beside(
+        self,
+        task: Task,
+        nearby: Iterate,
+        watch: Watch,
+        *,
+        alone: bool = False,
+        straighter: bool = False,
+    ) -> Plan:
         """The whole body's plan, begun from the solution of a jump nearby, without a draft.
 
-        `alone`: see `Rounds.follow`.
+        `alone`, `straighter`: see `Rounds.follow`.
 
         Where it is not found (`Plan.refined`) it has no knots.
 
@@ -156,8 +179,38 @@ class Refiner:
         plan = unplanned(task, self.robot, self.solver.name)
         watch.begin("the whole body's dynamics, from jumps nearby")
         rounds = self._rounds(plan, watch)
-        rounds.follow(self._beside(nearby, plan), nearby, alone=alone)
+        begun = self._beside(nearby, plan)
+        rounds.follow(begun, nearby, alone=alone, straighter=straighter)
         return self._ended(rounds, plan, called)
+
+    def moved(
+        self, task: Task, nearby: Iterate, wanted: Array, price: float, watch: Watch
+    ) -> Moved | None:
+        """A landing that is moved towards one that is wanted, from a solution nearby.
+
+        None: it leads nowhere.
+
+        Args:
+            task: of the landing as it is.
+            nearby: a solution of that, or nearly.
+            wanted: by how much it is wanted to be moved; price: see `Start`.
+            watch: of progress and cancellation.
+
+        Raises:
+            Cancelled: it is not wanted any more.
+        """
+        plan = unplanned(task, self.robot, self.solver.name)
+        watch.begin("the whole body's dynamics, towards the request")
+        rounds = self._rounds(plan, watch)
+        start = replace(self._beside(nearby, plan).straighter(), wanted=wanted, price=price)
+        if not rounds.reach(start, nearby):
+            return None
+        solution, sizes = rounds.solutions[-1], rounds.sizes
+        assert rounds.start is not None
+        offset = Motion.of(solution.variables, self.grid, sizes).state["offset"][0] * (wanted != 0)
+        variables = without_offset(solution.variables, self.grid, sizes)
+        edge = Edge(RowBounds(self.robot, self.grid, sizes, rounds.start), solution, nearby)
+        return Moved(Iterate(variables, solution.multipliers), offset, edge)
 
     def _rounds(self, plan: Plan, watch: Watch) -> Rounds:
         return Rounds(self.robot, self.grid, self.solver, plan.schedule.names, watch)

@@ -43,6 +43,10 @@ SURE_MISS = 0.5
 # Iterations of all solves that begin from a table: of 30 of Go2's requests 20 are found in 5 to 87,
 # and the ten that are not took 27 to 264.
 MOST_FOLLOWED = 100
+# Of a landing that is moved: 21 to 88 iterations are needed.
+MOVED = replace(NEARER, iterations=100)
+MOVES = 4  # solves of it, each with the distances about the motion of the one before
+NEARLY = 0.02  # of rows, of such a solution
 TOLERANCE = 1e-3  # of rows, in their units of about 1
 ROUNDS = 6
 BETWEEN = 8  # parts of an interval at whose edges a motion is looked at
@@ -86,15 +90,20 @@ class Rounds:
             if self.solved:
                 break
 
-    def follow(self, start: Start, begun: Iterate, *, alone: bool = False) -> None:
+    def follow(
+        self, start: Start, begun: Iterate, *, alone: bool = False, straighter: bool = False
+    ) -> None:
         """Follow from what is near the solution; `start`: of its motion.
+
+        `straighter`: it is of straighter lines already; the first motion that is found is taken.
 
         Where that leads nowhere the interior-point solver begins there, unless it is to be followed
         `alone`: of 10 of Go2's requests that its table did not lead to, 8 are found so, in 13 to 53
         iterations.
         """
         for options in ((begun,),) if alone else ((begun,), (BESIDE,)):
-            self._from(start, begun.variables, options, MOST_FOLLOWED)
+            first = start.straighter() if straighter else start
+            self._from(first, begun.variables, options, MOST_FOLLOWED, once=straighter)
             if self.solved:
                 break
 
@@ -102,12 +111,33 @@ class Rounds:
         """Solve from a motion whose rows held on another grid."""
         self._from(start, variables(start, self.grid, self.sizes), (NEARER, NEAR), MOST_FOLLOWED)
 
+    def reach(self, start: Start, begun: Iterate) -> bool:
+        """Move the landing towards what is wanted, from what is near a solution without.
+
+        Whether rows nearly hold in the end: they are solved again for what is reached.
+        """
+        guess = begun.variables
+        for _ in range(MOVES):
+            rows = RowBounds(self.robot, self.grid, self.sizes, start)
+            self._hold(rows, make_problem(rows), guess, (MOVED,), np.inf)
+            if any(violation.amount > NEARLY for violation in self.found.values()):
+                return False
+            guess = self.solutions[-1].variables
+            motion = Motion.of(guess, self.grid, self.sizes)
+            self.start = start = start.timed(motion.durations, self.grid)
+            apart = self._apart(motion, start)
+            if apart.holds:
+                break
+            start = replace(start.beside(motion.state), apart=apart)
+        return True
+
     def _from(
         self,
         start: Start,
         guess: Array,
         options: tuple[SolveOptions | Iterate, ...],
         most: float = np.inf,  # iterations, after which none is begun
+        once: bool = False,  # the first motion that is found is taken
     ) -> None:
         for _ in range(ROUNDS):
             rows = RowBounds(self.robot, self.grid, self.sizes, start)
@@ -119,7 +149,7 @@ class Rounds:
             start = start.timed(motion.durations, self.grid)
             apart = self._apart(motion, start)
             if hold and apart.holds:
-                if not self._accept(motion, start):
+                if not self._accept(motion, start) or once:
                     return
                 start = start.straighter()
             else:

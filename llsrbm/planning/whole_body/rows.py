@@ -16,7 +16,7 @@ import numpy as np
 
 from llsrbm.mechanics import INSCRIBED
 from llsrbm.ocp.horizon import Row
-from llsrbm.planning.problem.rotations import on_surface
+from llsrbm.planning.problem.rotations import on_surface, quat_product
 from llsrbm.planning.whole_body import costs, legs
 from llsrbm.planning.whole_body.chain import split
 from llsrbm.planning.whole_body.grid import Knot
@@ -61,6 +61,8 @@ class Stage:
         found = costs.of_knot(self.state, self.numbers, self.weight, self.sizes)
         if self.knot.first:
             found += costs.of_durations(self.state["durations"], self.weight)
+            wanted, price = self.numbers["wanted"], self.numbers["price"]
+            found += costs.of_offset(self.state["offset"], wanted, price)
         if self.nodes:
             standing = len(self.knot.standing)
             found += costs.of_interval(self.nodes, self.loads, standing, self.weight, self.sizes)
@@ -91,9 +93,11 @@ class Stage:
         near, x = self.numbers, self.state
         if self.knot.first:
             off = [x[name] - near[name] for name in self.sizes.moving]
-            return [("start", ca.vertcat(*off)), ("durations", x["durations"])]
-        found = self._of_posture(x, self.poses, self.knot.resting, "apart")
-        goal = [x["position"] - near["position"], turned(x["quat"], near["quat"])]
+            still = [(name, x[name]) for name in ("durations", "offset")]
+            return [("start", ca.vertcat(*off)), *still]
+        found = self._of_posture(x, self.poses, self.knot.resting, "")
+        goal = [x["position"] - self._moved(near["position"])]
+        goal.append(turned(x["quat"], self._turned(near["quat"])))
         goal += [x[name] - near[name] for name in ("velocity", "omega")]
         found["goal"] = ca.vertcat(*goal)
         return [(name, found[name]) for name in self.sizes.rows(self.knot)]
@@ -101,7 +105,7 @@ class Stage:
     def _interval_rows(self) -> list[tuple[str, Any]]:
         torque_share, speed_share, mu = ca.vertsplit(self.numbers["limits"])
         standing = self.knot.standing
-        middle = self._of_posture(self.middle, self.poses_in_middle, standing, "apart_in_middle")
+        middle = self._of_posture(self.middle, self.poses_in_middle, standing, "_in_middle")
         speeds = {0.0: self.state, 0.5: self.middle, 1.0: {"joint_velocity": self.later}}
         found: list[tuple[str, Any]] = []
         for name, share, _ in self.sizes.interval_rows(self.knot):
@@ -121,6 +125,11 @@ class Stage:
                 found.append((name, middle[name]))
         return found
 
+    def _edge(self, ground: legs.Ground) -> Any:
+        """An edge's way, in units of rows; it is taken not to turn."""
+        moved = ca.dot(ground.towards, self._offset[1:3])
+        return self.numbers["edges"] * moved / legs.LANDING_UNIT
+
     def _balance(self, node: int) -> Any:
         """(6,) force and moment that the base lacks, as shares of the weight."""
         total = sum(effort[:6] for effort in self.efforts[node])
@@ -135,8 +144,31 @@ class Stage:
     def _ground(self, leg: int) -> legs.Ground:
         pair = slice(2 * leg, 2 * leg + 2)
         heading, tilt, towards = (self.numbers[n][pair] for n in ("heading", "tilt", "towards"))
-        place = self.numbers["place"][3 * leg : 3 * leg + 3]
+        place, moves = self.numbers["place"][3 * leg : 3 * leg + 3], self.numbers["moves"][leg]
+        place += moves * (self._moved(place) - place)
+        heading += moves * (ca.mtimes(self._turn[:2, :2], heading) - heading)
         return legs.Ground(place, heading, on_surface(tilt), tilt, towards)
+
+    @cached_property
+    def _offset(self) -> Any:
+        """(4,) what counts of the landing's."""
+        return self.numbers["free"] * self.state["offset"]
+
+    @cached_property
+    def _turn(self) -> Any:
+        """(3, 3) of the offset's twist."""
+        c, s = ca.cos(self._offset[0]), ca.sin(self._offset[0])
+        return ca.blockcat([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+
+    def _moved(self, place: Any) -> Any:
+        """A place where the motion ends, moved by the offset."""
+        pivot = self.numbers["pivot"]
+        return pivot + ca.mtimes(self._turn, place - pivot) + self._offset[1:]
+
+    def _turned(self, quat: Any) -> Any:
+        """An attitude there, turned by it."""
+        half = self._offset[0] / 2
+        return quat_product(ca.vertcat(ca.cos(half), 0, 0, ca.sin(half)), quat)
 
     def _legs(self, poses: tuple[Any, ...]) -> list[legs.Leg]:
         found = []
@@ -147,24 +179,29 @@ class Stage:
         return found
 
     def _of_posture(
-        self, x: Mapping[str, Any], poses: tuple[Any, ...], standing: tuple[int, ...], apart: str
+        self, x: Mapping[str, Any], poses: tuple[Any, ...], standing: tuple[int, ...], when: str
     ) -> dict[str, Any]:
-        """Rows of a pose in which these legs stand; `apart`: the parameters of distances."""
+        """Rows of a pose in which these legs stand; `when`: how names of its parameters end."""
         found = self._legs(poses)
         grounds = [self._ground(leg) for leg in range(self.sizes.legs)]
         stand = [(found[i], grounds[i]) for i in standing]
-        swing = [(found[i], grounds[i]) for i in range(self.sizes.legs) if i not in standing]
+        swings = [i for i in range(self.sizes.legs) if i not in standing]
         pairs = self.sizes.pairs_with(standing)
+        rises = self._offset[3] * ca.reshape(self.numbers[f"rises{when}"], self.sizes.heights, -1)
         shanks = [legs.squared_distances(found[i], found[j]) for i, j in pairs]
-        slopes = ca.reshape(self.numbers[apart], self.sizes.posture, self.sizes.near)
+        slopes = ca.reshape(self.numbers[f"apart{when}"], self.sizes.posture, self.sizes.near)
         place = x["position"], turned(x["quat"], self.numbers["quat"]), x["joint_position"]
         return {
             "stop": x["joint_position"],
             "speed": x["joint_velocity"] / self.numbers["speed_limit"],
             "rest": ca.vertcat(*(legs.rest(*each) for each in stand)),
             "landing": ca.vertcat(*(legs.landing(found[i], grounds[i]) for i in self.knot.landing)),
-            "clearance": ca.vertcat(*(legs.heights(*each) for each in swing)),
-            "edge": ca.vertcat(*(legs.along(*each) for each in swing)),
+            "clearance": ca.vertcat(
+                *(legs.heights(found[i], grounds[i]) - rises[:, i] for i in swings)
+            ),
+            "edge": ca.vertcat(
+                *(legs.along(found[i], grounds[i]) - self._edge(grounds[i]) for i in swings)
+            ),
             "shanks": ca.vertcat(*(d for each in shanks for d in each)),
             "knees": ca.vertcat(*(legs.knee_height(*each) for each in stand * self.sizes.knees)),
             # Distances but for constants, which are in the bounds.

@@ -14,6 +14,7 @@ from llsrbm.mechanics import GRAVITY
 from llsrbm.planning.whole_body.apart import PAIRS
 from llsrbm.planning.whole_body.grid import Knot
 from llsrbm.planning.whole_body.limbs import LINK, LimbKind, limbs_of, trunk_numbers
+from llsrbm.request.jump import COMPONENTS
 from llsrbm.robots.robot import Robot
 
 Array = NDArray[np.float64]
@@ -131,8 +132,10 @@ class Sizes:
 
     @property
     def state(self) -> dict[str, int]:
-        """States: what moves, and the durations of all phases, which stay as they are."""
-        return {**self.moving, "durations": self.phases}
+        """States: what moves, and what stays as it is: the durations of all phases, and by how much
+        more is done of each component than the stages' numbers are of.
+        """
+        return {**self.moving, "durations": self.phases, "offset": len(COMPONENTS)}
 
     @property
     def motion(self) -> dict[str, int]:
@@ -163,7 +166,10 @@ class Sizes:
     def own(self) -> dict[str, int]:
         """Parameters of a stage: what its states are near to, times, weights, limits, places of the
         feet, where they look, how the ground rises there and its normals, how a base leans that is
-        level to it, directions across edges, and how far links are apart.
+        level to it, directions across edges, how far links are apart, and of an offset which
+        components it may have, what is wanted, its price, about what it turns, and what goes with
+        it: `moves` marks legs that stand where the motion ends, `rises` are shares of what feet
+        clear, `edges` marks ones that move.
 
         `step` is the interval's share of its `phase`, which is marked by a one.
         """
@@ -181,6 +187,14 @@ class Sizes:
             "towards": 2 * self.legs,
             "apart": self.near * self.posture,
             "apart_in_middle": self.near * self.posture,
+            "free": len(COMPONENTS),
+            "wanted": len(COMPONENTS),
+            "price": len(COMPONENTS),
+            "pivot": 3,
+            "moves": self.legs,
+            "rises": self.legs * self.heights,
+            "rises_in_middle": self.legs * self.heights,
+            "edges": 1,
         }
 
     @property
@@ -210,7 +224,8 @@ class Sizes:
     def rows(self, knot: Knot) -> dict[str, int]:
         """Names and sizes of a knot's rows, in order; `interval_rows` follow."""
         if knot.first:
-            return {"start": sum(self.moving.values()), "durations": self.phases}
+            still = {"durations": self.phases, "offset": len(COMPONENTS)}
+            return {"start": sum(self.moving.values()), **still}
         rows = {
             **self._of_posture(knot.resting),
             "landing": self.foot * len(knot.landing),

@@ -1,6 +1,6 @@
 """A stage of the whole-body problem: which functions are called, of what.
 
-The durations of the phases are states that do not change.
+The durations of the phases, and the landing's offset, are states that do not change.
 """
 
 from __future__ import annotations
@@ -120,7 +120,8 @@ class _Builder:
 
     def _next(self, later: Part) -> Part:
         """The next state, in its units."""
-        return self.calls(_scaled(self.sizes), [later, self.state["durations"]], ca.MX(0, 1))
+        still = [self.state[name] for name in ("durations", "offset")]
+        return self.calls(_scaled(self.sizes), [later, *still], ca.MX(0, 1))
 
     def _legs(self, pose: dict[str, Part]) -> tuple[Part, ...]:
         found = []

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,8 +29,9 @@ from llsrbm.planning.problem.placement import task_of
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.grid import SAME_INSTANT, Grid
-from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes
+from llsrbm.planning.whole_body.sizes import NODES, WEIGHTS, Sizes, parts
 from llsrbm.planning.whole_body.tops import tops
+from llsrbm.request.jump import COMPONENTS
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.slopes import leaning, normals
 from llsrbm.robots.feet import foot_contacts
@@ -59,6 +60,7 @@ OWN = {
 LANDED = {"level": 200.0, "force": 20.0}
 STRAIGHTER = 5.0  # times the costs of what is steep, where much is missing between the nodes
 INSIDE = 1e-3  # s, of a duration's bounds
+ROOM = 1e-4  # rad and m, beyond what is wanted of an offset: solvers need some
 # m that the trunk keeps from the ground once the robot has landed: simulated trunks sink 1 to 6 cm
 # deeper than planned, and with them knees and shanks. Of 16 of Go2's jumps at the edges of its
 # ranges, each simulated three times with everything disturbed, 34 of 48 land strictly without and
@@ -86,6 +88,8 @@ class Start:
         weights: of costs, but for what differs where the robot has landed.
         solids: the ground and blocks; apart: distances of links from each other and from them, and
             of the CoM from the limits of its apex.
+        wanted: (4,) rad and m, by how much more than the task's is wanted of each component; price:
+            of a whole range that is not done.
     """
 
     task: Task
@@ -101,6 +105,17 @@ class Start:
     weights: Mapping[str, float]
     solids: tuple[Block, ...]
     apart: Apart
+    wanted: Array = field(default_factory=partial(np.zeros, len(COMPONENTS)))
+    price: float = 0.0
+
+    @property
+    def offset_bounds(self) -> tuple[Array, Array]:
+        """(4,) rad and m each: an offset is between nothing and what is wanted.
+
+        Where nothing is it does not count, and is bounded by what it never comes to.
+        """
+        none = np.where(self.wanted, ROOM, 1.0)
+        return np.minimum(self.wanted, 0.0) - none, np.maximum(self.wanted, 0.0) + none
 
     @cached_property
     def duration_bounds(self) -> tuple[Array, Array]:
@@ -257,12 +272,22 @@ def variables(start: Start, grid: Grid, sizes: Sizes) -> Array:
     found = []
     for k, knot in enumerate(grid.knots):
         own = [*(values[k] for values in start.state.values()), durations]
+        own.append(np.zeros(len(COMPONENTS)))
         for node in range(0 if knot.last else len(NODES)):
             own += [values[k, node] for values in start.motion.values()]
             force = start.force[k, node].reshape(sizes.legs, -1)
             own.append(force[list(knot.standing)].ravel())
         found.append(np.concatenate(own) / sizes.unit(knot))
     return np.concatenate(found)
+
+
+def without_offset(variables: Array, grid: Grid, sizes: Sizes) -> Array:
+    """The same variables with an offset of zeros."""
+    found, at = variables.copy(), 0
+    for knot in grid.knots:
+        parts(found[at : at + sizes.states], sizes.state)["offset"][:] = 0.0
+        at += sizes.states + sizes.controls(knot)
+    return found
 
 
 def _weights(task: Task) -> dict[str, float]:

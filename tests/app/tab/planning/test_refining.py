@@ -111,14 +111,14 @@ def test_the_nearest_jump_becomes_the_whole_bodys_too():
     tab = refining()
     finish(tab)
     tab.move(forward=0.3)
-    for _ in range(2):  # while the slider moves, and once it rests
-        asked = tab.submits[-1].task
-        nearest = plan_of(replace(asked.jump, forward=0.2))
-        failed = plan_of(asked.jump, "not-converged")
-        tab.report(Refused(0, asked.jump, "its knees", failed, nearest))
-        assert tab.told == (Verdict.NEAREST, "(the whole body's plan follows) ...")
-        for after in tab.of(After):
-            tab.take(after.event)
+    asked = tab.submits[-1].task
+    nearest = plan_of(replace(asked.jump, forward=0.2))
+    failed = plan_of(asked.jump, "not-converged")
+    tab.report(Refused(0, asked.jump, "its knees", failed, nearest))
+    assert tab.told == (Verdict.NEAREST, "(the whole body's plan follows) ...")
+    for after in tab.of(After):  # once the slider rests
+        tab.take(after.event)
+    assert tab.submits[-1].task.wanted == asked.jump
     finish(tab)
     assert tab.state.plan.certified
     assert tab.told == (Verdict.NEAREST, "")
@@ -174,17 +174,19 @@ def test_where_the_whole_body_does_less_that_is_the_nearest_to_what_was_asked():
     task = tab.submits[-1].task
     assert task.wanted == task.plan.jump
     less = replace(task.plan.jump, twist=task.plan.jump.twist / 2)
-    tab.report(Planned(0, refined_plan(replace(task.plan, jump=less))))
+    plan = refined_plan(replace(task.plan, jump=less))
+    refused = Refused(0, task.wanted, "LF_KFE is at its limit of 13.5 rad/s", plan, plan)
+    tab.report(refused)
     assert tab.told[0] is Verdict.NEAREST
     assert tab.state.shown.wanted == task.plan.jump
     first, reason = tab.state.status.points
     assert "instead of" in first
-    assert reason.startswith("No motion of the whole body")
+    assert reason.startswith("LF_KFE is at its limit")
     tab.take(WholeBody(False))  # the draft does all of it
     assert tab.state.shown.wanted is None
     assert tab.told[0] is Verdict.DRAFT
     tab.take(WholeBody(True))
-    tab.report(Planned(0, refined_plan(replace(task.plan, jump=less))))
+    tab.report(refused)
     tab.take(Act.NEAREST)
     assert tab.state.design.jump == less
     assert tab.told[0] is Verdict.FEASIBLE

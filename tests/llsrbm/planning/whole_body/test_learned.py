@@ -172,6 +172,7 @@ def test_a_draft_is_made_where_the_certificate_does_not_hold(monkeypatch):
         "certified",
         lambda plan, robot: plan if not next(held, True) else certified(plan, robot),
     )
+    monkeypatch.setattr(certified_plan.CertifiedPlanner, "nearest", lambda *_, **__: None)
     plan = llsrbm.plan(NEAR_THE_TABLE)
     assert plan.certified
     assert plan.report.attempts > 0

@@ -1,0 +1,112 @@
+"""Landings that are moved: what rows say of an offset, and how far it gets."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from llsrbm.certified_plan import CertifiedPlanner
+from llsrbm.planning.problem.placement import make_task, retargeted
+from llsrbm.planning.problem.shortfall import distance
+from llsrbm.planning.solve.jump_layout import layout_of
+from llsrbm.planning.whole_body import problem
+from llsrbm.planning.whole_body.bounds import RowBounds
+from llsrbm.planning.whole_body.grid import Grid
+from llsrbm.planning.whole_body.problem import make_problem
+from llsrbm.planning.whole_body.refine import Refiner
+from llsrbm.planning.whole_body.sizes import Sizes
+from llsrbm.planning.whole_body.unplanned import unplanned
+from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.robots import load_robot
+
+
+def refiner(robot):
+    task = make_task(Jump(robot=robot.name), robot)
+    return Refiner(robot, Grid.at(task.schedule, layout_of(task.jump, robot).intervals))
+
+
+def rows_of(refiner, task, wanted, offset):
+    """Name -> what each row leaves to its bounds."""
+    nearby = refiner.nearby(Jump(robot=task.robot.name, twist=0.5), task.tuning)
+    start = refiner._beside(nearby, unplanned(task, task.robot, "fatrop"))
+    start = replace(start, wanted=wanted, price=1.0)
+    # One motion for both, whatever its places are.
+    same = refiner._beside(nearby, unplanned(plain(task), task.robot, "fatrop"))
+    start = replace(start, state={**start.state, **moving(same)}, apart=same.apart, time=same.time)
+    grid, sizes = refiner.grid, Sizes.of(task.robot, len(refiner.grid.phases))
+    rows = RowBounds(task.robot, grid, sizes, start)
+    numbers, variables, at = make_problem(rows), nearby.variables.copy(), 0
+    for knot in grid.knots:
+        end = at + sizes.states
+        variables[end - len(COMPONENTS) : end] = offset
+        at = end + sizes.controls(knot)
+    values = np.array(refiner.solver.function("nlp_g")(variables, numbers.parameters)).ravel()
+    found, at = {}, 0
+    for name, _, _, low, high in rows:
+        part = slice(at, at + len(low))
+        at = part.stop
+        both = values[part] - low, high - values[part]
+        found.setdefault(name, []).append(np.concatenate(both))
+    return {name: np.concatenate(each) for name, each in found.items()}
+
+
+def plain(task):
+    return retargeted(task, Jump(robot=task.jump.robot, twist=0.5))
+
+
+def moving(start):
+    """What a start's motion is, but for where it ends."""
+    return {"joint_position": start.state["joint_position"]}
+
+
+@pytest.mark.parametrize("name", ["go2", "slider"])
+@pytest.mark.parametrize(
+    "offset",
+    [(0.0, 0.3, 0.05, -0.04, 0.0), (0.15, -0.4, -0.1, 0.02, 0.06), (-0.15, 0.2, 0.1, 0.0, -0.05)],
+    ids=["level", "up", "down"],
+)
+def test_rows_with_an_offset_are_those_of_the_landing_that_is_moved(name, offset, monkeypatch):
+    # One motion for both rolls alike, and a landing that turns takes what feet have rolled along.
+    monkeypatch.setattr(problem, "_rolled", lambda *_: 0.0)
+    robot, height, offset = load_robot(name), offset[0], np.array(offset[1:])
+    of = refiner(robot)
+    here = make_task(Jump(robot=name, twist=0.5, forward=0.4, height=height), robot)
+    values = [getattr(here.jump, c) + o for c, o in zip(COMPONENTS, offset, strict=True)]
+    there = retargeted(here, replace(here.jump, **dict(zip(COMPONENTS, values, strict=True))))
+    moved, placed = rows_of(of, here, offset, offset), rows_of(of, there, offset * 0.0, 0.0)
+    assert moved.keys() == placed.keys()
+    # Edges are taken to move and not to turn; what swinging feet clear has corners.
+    for row in moved.keys() - {"offset", "apart", "start", "edge"}:
+        within = 8e-3 if row == "clearance" else 1e-3
+        assert moved[row] == pytest.approx(placed[row], abs=within), row
+
+
+@pytest.mark.parametrize("name", ["go2", "anymal"])
+def test_a_landing_is_moved_as_far_as_the_robot_can(name):
+    robot = load_robot(name)
+    wanted = Jump(robot=name, twist=math.radians(175), forward=0.3, height=0.1)
+    near = CertifiedPlanner().nearest(make_task(wanted, robot))
+    assert near.plan.certified
+    reached = near.plan.jump
+    assert 0 < distance(make_task(wanted, robot), reached) < 0.25
+    assert reached.twist < wanted.twist
+    assert near.stop.demand.joint in robot.joint_names
+
+
+def test_what_can_be_done_is_done_in_full():
+    jump = Jump(robot="go2", twist=math.radians(100), forward=0.2)
+    near = CertifiedPlanner().nearest(make_task(jump, load_robot("go2")), less=False)
+    assert near.plan.jump == jump
+    assert near.plan.certified
+
+
+def test_of_types_and_limits_without_a_table_no_less_is_looked_for():
+    robot = load_robot("go2")
+    for task in (
+        make_task(Jump(robot="go2", type="hops"), robot),
+        make_task(Jump(robot="go2", twist=2.9), robot, limits={"friction": 0.5}),
+    ):
+        assert CertifiedPlanner().nearest(task) is None
+    twist = make_task(Jump(robot="go2", twist=2.9), robot)
+    assert CertifiedPlanner(guesses=False).nearest(twist) is None
