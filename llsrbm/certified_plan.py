@@ -103,6 +103,8 @@ class CertifiedPlanner:
             return None
         grid = Grid.at(task.schedule, layout_of(task.jump, robot, intervals).intervals)
         refiner, watch = Refiner(robot, grid), self._watch
+        if self.settles:
+            refiner.solver.settle()
         for reached in nearest(refiner, task, feasible, watch):
             if not less and reached.jump != task.jump:
                 return None
@@ -129,7 +131,12 @@ class CertifiedPlanner:
         counts = layout_of(task.jump, robot, intervals).intervals
         if _lands_and_goes_on(task):
             return self._through(task, robot, counts)
-        return planned(task, robot, counts, cancelled=self.cancelled, progress=self.progress)
+        return planned(
+            *(task, robot, counts),
+            settles=self.settles,
+            cancelled=self.cancelled,
+            progress=self.progress,
+        )
 
     def _through(self, task: Task, robot: Robot, counts: Sequence[int]) -> Plan | None:
         """The plan of several jumps in a row, begun from the table's plans of each by itself.
@@ -143,7 +150,10 @@ class CertifiedPlanner:
                 return None
             parts.append(part)
         return planned_through(
-            task, robot, counts, parts, cancelled=self.cancelled, progress=self.progress
+            *(task, robot, counts, parts),
+            settles=self.settles,
+            cancelled=self.cancelled,
+            progress=self.progress,
         )
 
     def checked(self, plan: Plan) -> Plan:

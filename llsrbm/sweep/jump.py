@@ -14,7 +14,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from multiprocessing.connection import Connection
 from typing import TYPE_CHECKING, Any
 
@@ -96,14 +96,24 @@ def plan_of(spec: Spec, point: Point) -> Plan:
     """A jump's plan, the same wherever and whenever it is computed. Raises `Error`: see
     `Planner.plan`.
 
-    The whole body's with its certificate, unless drafts are asked for or none is found.
+    The whole body's with its certificate, unless drafts are asked for or none is found: begun from
+    the robot's table, where it leads there, else from a draft.
     """
+    from llsrbm.certified_nearest import from_table
     from llsrbm.certified_plan import CertifiedPlanner
+    from llsrbm.planning.problem.placement import make_task
 
+    robot = _robot(point)
+    planner = CertifiedPlanner(robot, settles=True)
+    if not spec.draft:
+        task = make_task(point.jump, robot, limits=point.limits)
+        found = from_table(planner, task, less=False)
+        if found is not None:
+            return found.plan
     draft = _planner(point).plan(
         point.jump, limits=point.limits, patient=spec.patient, explains=spec.diagnose
     )
-    return draft if spec.draft else CertifiedPlanner(_robot(point), settles=True).plan(draft)
+    return draft if spec.draft else replace(planner, guesses=False).plan(draft)
 
 
 def rollout_of(spec: Spec, point: Point, plan: Plan, seed: int | None) -> Rollout:

@@ -288,13 +288,14 @@ def planned(
     robot: Robot,
     counts: Sequence[int],
     *,
+    settles: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Plan | None:
     """`Refiner.learned` of a task, by a solver that is built once a process.
 
     No solver is built for robots without a table. `robot`: the task's, with its drives; `counts`:
-    the intervals of each phase of a draft.
+    the intervals of each phase of a draft; `settles`: wait until the solver is compiled.
     """
     grid, watch = Grid.at(task.schedule, counts), Watch(cancelled, progress)
     if table_for(task.jump, task.tuning, robot, grid) is None:
@@ -302,6 +303,8 @@ def planned(
     watch.wait()
     start = time.perf_counter()
     refiner = watch.built(partial(Refiner, robot, grid))
+    if settles:
+        refiner.solver.settle()
     built = time.perf_counter() - start
     found = refiner.learned(task, watch)
     if found is None:
@@ -316,6 +319,7 @@ def planned_through(
     counts: Sequence[int],
     parts: Sequence[Plan],
     *,
+    settles: bool = False,
     cancelled: Callable[[], bool] | None = None,
     progress: Progress | None = None,
 ) -> Plan | None:
@@ -327,6 +331,8 @@ def planned_through(
     watch.wait()
     start = time.perf_counter()
     refiner = watch.built(partial(Refiner, robot, Grid.at(task.schedule, counts)))
+    if settles:
+        refiner.solver.settle()
     built = time.perf_counter() - start
     begun = joined(task, unplanned(task, robot, refiner.solver.name), parts)
     found = refiner.refine(begun, cancelled=cancelled, progress=progress)

@@ -145,3 +145,16 @@ def test_plans_without_a_certificate_that_holds_are_rows_alone(monkeypatch):
     (none, _) = jump.rows_of(demanding, points[2])
     assert (none["status"], none["certified"]) == (rows.NOT_CERTIFIED, False)
     assert none["message"] == "the whole body's plan was not found"
+
+
+def test_a_plan_of_the_whole_body_is_the_one_that_the_library_makes(monkeypatch):
+    monkeypatch.setattr(jump, "_planner", lambda _: pytest.fail("a draft was begun"))
+    spec = parse_spec(
+        'title = "whole bodies"\nrobots = ["go2"]\n[axes]\ntwist = [0.6]\nforward = [0.1]', "x"
+    )
+    point = Points(spec)[0]
+    plan = jump.plan_of(spec, point)
+    own = llsrbm.plan(point.jump)
+    assert plan.certified
+    assert plan.com == pytest.approx(own.com, abs=1e-9)
+    assert plan.joint_torque == pytest.approx(own.joint_torque, abs=1e-9)
