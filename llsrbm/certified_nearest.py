@@ -79,7 +79,7 @@ def less_alone(near: Nearest, wanted: Jump) -> NotConverged:
 
 def is_known(jump: Jump, tuning: Tuning, robot: Robot) -> bool:
     """Whether the robot has a table of solved jumps like this one."""
-    return feasible_of(robot) is not None and fits(jump.on_ground(0.0), tuning)
+    return fits(jump.on_ground(0.0), tuning) and feasible_of(robot) is not None
 
 
 def is_unlikely(jump: Jump, tuning: Tuning, robot: Robot) -> bool:

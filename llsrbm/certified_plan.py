@@ -97,9 +97,11 @@ class CertifiedPlanner:
         None: the robot has no table of such jumps, or none is found from there. `intervals`: as for
         three phases. Raises `Cancelled`: `cancelled` was true.
         """
-        robot, tuning = with_strength(self.robot or load_robot(task.jump.robot)), task.tuning
+        if not (self.guesses and fits(task.jump.on_ground(0.0), task.tuning)):
+            return None
+        robot = with_strength(self.robot or load_robot(task.jump.robot))
         feasible = feasible_of(robot)
-        if not self.guesses or feasible is None or not fits(task.jump.on_ground(0.0), tuning):
+        if feasible is None:
             return None
         grid = Grid.at(task.schedule, layout_of(task.jump, robot, intervals).intervals)
         refiner, watch = Refiner(robot, grid), self._watch

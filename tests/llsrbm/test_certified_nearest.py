@@ -8,11 +8,13 @@ import pytest
 import llsrbm
 from llsrbm import certified_nearest
 from llsrbm.certified_nearest import from_table, whole_or_nearest
-from llsrbm.certified_plan import Nearest
+from llsrbm.certified_plan import CertifiedPlanner, Nearest
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.solve_report import Refinement
 from llsrbm.planning.problem.placement import make_task
+from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
+from llsrbm.robots.payload import with_payload
 from tests.llsrbm.formats.jumps import planned
 from tests.llsrbm.player.stages import stored_plan
 
@@ -114,3 +116,11 @@ def test_without_a_table_a_draft_of_less_is_solved_on_one_grid():
     assert whole_or_nearest(whole, draft(LESS), ALL, None).jump == LESS
     assert not whole_or_nearest(Whole(), draft(ALL), ALL, None).certified
     assert whole.searched == ["draft"]
+
+
+def test_of_a_robot_that_carries_something_no_table_is_missed(caplog):
+    loaded = replace(ALL, payload=(2.0, 0.0, 0.0, 0.1))
+    robot = with_payload(load_robot("go2"), loaded.payload)
+    assert not certified_nearest.is_unlikely(loaded, Tuning(), robot)
+    assert CertifiedPlanner().nearest(make_task(loaded, robot)) is None
+    assert not caplog.records
