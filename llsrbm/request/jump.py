@@ -307,7 +307,7 @@ class Jump:
 
 
 def changes(wanted: Jump, found: Jump) -> str:
-    """Difference of a jump from the one that was asked for: "136° instead of 170°".
+    """Difference of a jump from the one that was asked for: "147° instead of 170°".
 
     Components that look alike are left out, and the name of the twist where nothing else differs.
     """
