@@ -193,6 +193,7 @@ def _failed(page: Page) -> None:
     for label, value in (("Twist [deg]", 180), ("Forward [m]", 0.6), ("Landing height [m]", 0.3)):
         fill(page, label, value)
     page.get_by_role("button", name="Use nearest").wait_for(timeout=PATIENCE)
+    page.locator("[role=status][aria-busy=false]").wait_for(timeout=PATIENCE)  # the whole body's
     hold(page, 0.55)
 
 

@@ -8,7 +8,7 @@
     #llsrbm-pins { top: 10px; right: 10px; max-width: 55%; display: flex; flex-wrap: wrap; gap: 4px;
       justify-content: flex-end; font: 12px system-ui, sans-serif; }
     #llsrbm-pins:empty { display: none; }
-    #llsrbm-remark:not(:empty) ~ #llsrbm-pins { top: 46px; }
+    #llsrbm-remark:not(:empty) ~ #llsrbm-pins { top: 66px; }
     #llsrbm-pins > * { display: flex; align-items: center; gap: 5px; min-height: 26px;
       padding: 0 8px; border-radius: 13px; color: var(--mantine-color-text);
       background: var(--mantine-color-body); border: 1px solid var(--mantine-color-default-border); }

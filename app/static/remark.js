@@ -8,7 +8,7 @@
       max-width: max(120px, 100% - 480px);
       padding: 4px 12px; border-radius: 14px; font: 600 14px/1.4 system-ui, sans-serif;
       color: #3a2600; background: #ffd98a; border: 1px solid #d08a1d; pointer-events: none !important;
-      white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+      width: max-content; text-align: center; text-wrap: balance; }
     #llsrbm-remark:empty { display: none; }`;
 
   const remark = element("div", { id: "llsrbm-remark" });
