@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.certified_nearest import from_table, is_unlikely, less_alone, whole_or_nearest
+from llsrbm.certified_nearest import all_or_less, is_unlikely, less_alone, whole_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
@@ -97,7 +97,7 @@ def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool
         cancelled=drafting.cancelled,
         progress=drafting.progress,
     )
-    near = from_table(planner, task, drafting.intervals, less=drafting.patient)
+    near = all_or_less(planner, task, drafting.intervals, less=drafting.patient)
     if near is not None and near.plan.jump == task.jump:
         return near.plan
     if near is not None:  # what stops the rest is known

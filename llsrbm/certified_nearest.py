@@ -29,7 +29,7 @@ NOT_FOUND = "no motion of the whole body that keeps all limits was found"
 UNLIKELY = -1.0
 
 
-def from_table(
+def all_or_less(
     planner: CertifiedPlanner, task: Task, intervals: int = INTERVALS, *, less: bool = True
 ) -> Nearest | None:
     """The certified plan of a task's jump, or of `less`, begun from the robot's table; None: none.
@@ -53,7 +53,7 @@ def whole_or_nearest(
         planner: of whole bodies' plans.
         draft: a centroidal plan, of the request or of the nearest jump that has one.
         wanted: the request.
-        near: what `from_table` has found of less.
+        near: what `all_or_less` has found of less.
 
     Raises:
         Cancelled: it is not wanted any more.

@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from llsrbm.certificate import certified
 from llsrbm.certificate.power import BatteryCurrent, Regeneration, WindingHeat
-from llsrbm.errors import Stop
+from llsrbm.errors import InputError, Stop
 from llsrbm.motion.plan import Plan
 from llsrbm.ocp.progress import interruptible
-from llsrbm.planning.problem.placement import retargeted
+from llsrbm.planning.problem.placement import make_task, retargeted
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
@@ -21,10 +21,10 @@ from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.learned_file import fits
 from llsrbm.planning.whole_body.nearest import nearest
 from llsrbm.planning.whole_body.refine import (
-    Refiner,
     planned,
     planned_through,
     refined,
+    refiner_at,
     refiner_of,
     untried,
 )
@@ -104,13 +104,15 @@ class CertifiedPlanner:
         if feasible is None:
             return None
         grid = Grid.at(task.schedule, layout_of(task.jump, robot, intervals).intervals)
-        refiner, watch = Refiner(robot, grid), self._watch
-        if self.settles:
-            refiner.solver.settle()
+        watch = self._watch
+        refiner = refiner_at(robot, grid, watch, settles=self.settles)
         for reached in nearest(refiner, task, feasible, watch):
             if not less and reached.jump != task.jump:
                 return None
-            at = retargeted(task, reached.jump)
+            try:
+                at = make_task(reached.jump, task.robot, task.tuning.weights, task.tuning.limits)
+            except InputError:  # a leg does not reach its stone there
+                continue
             found = self.held(refiner.beside(at, reached.solution, watch, straighter=True))
             if found.certified:
                 return Nearest(found, None if reached.edge is None else reached.edge.stop())

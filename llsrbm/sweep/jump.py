@@ -99,7 +99,7 @@ def plan_of(spec: Spec, point: Point) -> Plan:
     The whole body's with its certificate, unless drafts are asked for or none is found: begun from
     the robot's table, where it leads there, else from a draft.
     """
-    from llsrbm.certified_nearest import from_table
+    from llsrbm.certified_nearest import all_or_less
     from llsrbm.certified_plan import CertifiedPlanner
     from llsrbm.planning.problem.placement import make_task
 
@@ -107,7 +107,7 @@ def plan_of(spec: Spec, point: Point) -> Plan:
     planner = CertifiedPlanner(robot, settles=True)
     if not spec.draft:
         task = make_task(point.jump, robot, limits=point.limits)
-        found = from_table(planner, task, less=False)
+        found = all_or_less(planner, task, less=False)
         if found is not None:
             return found.plan
     draft = _planner(point).plan(

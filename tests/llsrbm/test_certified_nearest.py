@@ -7,7 +7,7 @@ import pytest
 
 import llsrbm
 from llsrbm import certified_nearest
-from llsrbm.certified_nearest import from_table, whole_or_nearest
+from llsrbm.certified_nearest import all_or_less, whole_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner, Nearest
 from llsrbm.errors import NotConverged, Stop
 from llsrbm.motion.solve_report import Refinement
@@ -69,20 +69,20 @@ def draft(jump):
 
 def test_what_the_table_leads_to_is_taken():
     whole = Whole(table=(ALL,))
-    assert from_table(whole, task(ALL)).plan.jump == ALL
+    assert all_or_less(whole, task(ALL)).plan.jump == ALL
     assert whole.searched == ["table"]
 
 
 @pytest.mark.parametrize("less", [True, False])
 def test_else_a_landing_is_moved(less):
     whole = Whole(near=less_of_all())
-    assert from_table(whole, task(ALL), less=less).plan.jump == LESS
+    assert all_or_less(whole, task(ALL), less=less).plan.jump == LESS
     assert whole.searched == ["table", "nearest" if less else "all"]
 
 
 def test_what_is_unlikely_is_not_solved_as_it_is():
     whole = Whole(near=less_of_all())
-    assert from_table(whole, task(HARD)).plan.jump == LESS
+    assert all_or_less(whole, task(HARD)).plan.jump == LESS
     with pytest.raises(NotConverged):
         whole_or_nearest(whole, draft(HARD), HARD, whole.near)
     assert whole.searched == ["nearest"]

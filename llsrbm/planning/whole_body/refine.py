@@ -300,11 +300,8 @@ def planned(
     grid, watch = Grid.at(task.schedule, counts), Watch(cancelled, progress)
     if table_for(task.jump, task.tuning, robot, grid) is None:
         return None
-    watch.wait()
     start = time.perf_counter()
-    refiner = watch.built(partial(Refiner, robot, grid))
-    if settles:
-        refiner.solver.settle()
+    refiner = refiner_at(robot, grid, watch, settles=settles)
     built = time.perf_counter() - start
     found = refiner.learned(task, watch)
     if found is None:
@@ -328,11 +325,8 @@ def planned_through(
     The rest as `planned`.
     """
     watch = Watch(cancelled, progress)
-    watch.wait()
     start = time.perf_counter()
-    refiner = watch.built(partial(Refiner, robot, Grid.at(task.schedule, counts)))
-    if settles:
-        refiner.solver.settle()
+    refiner = refiner_at(robot, Grid.at(task.schedule, counts), watch, settles=settles)
     built = time.perf_counter() - start
     begun = joined(task, unplanned(task, robot, refiner.solver.name), parts)
     found = refiner.refine(begun, cancelled=cancelled, progress=progress)
@@ -340,6 +334,18 @@ def planned_through(
     if found.refinement.status != SOLVED:
         return None
     return replace(found, refinement=replace(found.refinement, build_time_s=built))
+
+
+def refiner_at(robot: Robot, grid: Grid, watch: Watch, *, settles: bool = False) -> Refiner:
+    """The whole-body problem on a grid, built once and kept; `settles`: its solver is compiled.
+
+    Raises `Cancelled`: it is not wanted any more.
+    """
+    watch.wait()
+    refiner = watch.built(partial(Refiner, robot, grid))
+    if settles:
+        refiner.solver.settle()
+    return refiner
 
 
 def refiner_of(plan: Plan, robot: Robot | None = None, finer: float = 1.0) -> Refiner:

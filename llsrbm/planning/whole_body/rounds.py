@@ -43,7 +43,7 @@ SURE_MISS = 0.5
 # Iterations of all solves that begin from a table: of 30 of Go2's requests 20 are found in 5 to 87,
 # and the ten that are not took 27 to 264.
 MOST_FOLLOWED = 100
-# Of a landing that is moved: 21 to 88 iterations are needed.
+# Of a landing that is moved: 21 to 101 iterations are needed.
 MOVED = replace(NEARER, iterations=100)
 MOVES = 4  # solves of it, each with the distances about the motion of the one before
 NEARLY = 0.02  # of rows, of such a solution
@@ -101,9 +101,9 @@ class Rounds:
         `alone`: of 10 of Go2's requests that its table did not lead to, 8 are found so, in 13 to 53
         iterations.
         """
+        start = start.straighter() if straighter else start
         for options in ((begun,),) if alone else ((begun,), (BESIDE,)):
-            first = start.straighter() if straighter else start
-            self._from(first, begun.variables, options, MOST_FOLLOWED, once=straighter)
+            self._from(start, begun.variables, options, MOST_FOLLOWED, once=straighter)
             if self.solved:
                 break
 

@@ -31,9 +31,6 @@ def rows_of(refiner, task, wanted, offset):
     nearby = refiner.nearby(Jump(robot=task.robot.name, twist=0.5), task.tuning)
     start = refiner._beside(nearby, unplanned(task, task.robot, "fatrop"))
     start = replace(start, wanted=wanted, price=1.0)
-    # One motion for both, whatever its places are.
-    same = refiner._beside(nearby, unplanned(plain(task), task.robot, "fatrop"))
-    start = replace(start, state={**start.state, **moving(same)}, apart=same.apart, time=same.time)
     grid, sizes = refiner.grid, Sizes.of(task.robot, len(refiner.grid.phases))
     rows = RowBounds(task.robot, grid, sizes, start)
     numbers, variables, at = make_problem(rows), nearby.variables.copy(), 0
@@ -49,15 +46,6 @@ def rows_of(refiner, task, wanted, offset):
         both = values[part] - low, high - values[part]
         found.setdefault(name, []).append(np.concatenate(both))
     return {name: np.concatenate(each) for name, each in found.items()}
-
-
-def plain(task):
-    return retargeted(task, Jump(robot=task.jump.robot, twist=0.5))
-
-
-def moving(start):
-    """What a start's motion is, but for where it ends."""
-    return {"joint_position": start.state["joint_position"]}
 
 
 @pytest.mark.parametrize("name", ["go2", "slider"])
