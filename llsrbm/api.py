@@ -101,7 +101,7 @@ def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool
     if near is not None and near.plan.jump == task.jump:
         return near.plan
     if near is not None:  # what stops the rest is known
-        if is_unlikely(task.jump, task.tuning, task.robot):
+        if is_unlikely(task.jump, task.tuning):
             raise less_alone(near, task.jump)
         drafting = replace(drafting, patient=False, explains=False)
     try:

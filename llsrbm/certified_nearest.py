@@ -12,14 +12,13 @@ from dataclasses import replace
 from llsrbm.certified_plan import CertifiedPlanner, Nearest, may_hold_elsewhere
 from llsrbm.errors import NotConverged
 from llsrbm.motion.plan import Plan
-from llsrbm.motion.robot import robot_of
 from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.whole_body.feasible import feasible_of
-from llsrbm.planning.whole_body.learned_file import fits
+from llsrbm.planning.whole_body.learned_file import knows
 from llsrbm.request.jump import STEPS, Jump, not_feasible
 from llsrbm.request.tuning import Tuning
-from llsrbm.robots.robot import Robot
+from llsrbm.robots import load_robot
 
 NOT_FOUND = "no motion of the whole body that keeps all limits was found"
 """Why a request has a draft and no plan; a sentence without its full stop."""
@@ -37,7 +36,7 @@ def all_or_less(
     Raises:
         Cancelled: it is not wanted any more.
     """
-    if not is_unlikely(task.jump, task.tuning, task.robot):
+    if not is_unlikely(task.jump, task.tuning):
         found = planner.from_table(task, intervals)
         if found is not None:
             return Nearest(found, None)
@@ -60,8 +59,7 @@ def whole_or_nearest(
         NotConverged: less alone is found; its `nearest` is that.
     """
     all_of_it = not _given_up(draft.jump, wanted)
-    robot = planner.robot or robot_of(draft)
-    if near is None or (all_of_it and not is_unlikely(draft.jump, draft.tuning, robot)):
+    if near is None or (all_of_it and not is_unlikely(draft.jump, draft.tuning)):
         # What is nearest need not be this one: a solver of a finer grid is not built for it.
         whole = replace(planner, guesses=False, finer=planner.finer and all_of_it).plan(draft)
         if near is None or whole.certified or not may_hold_elsewhere(whole):
@@ -77,14 +75,9 @@ def less_alone(near: Nearest, wanted: Jump) -> NotConverged:
     return NotConverged(message, near.plan, stops, near.plan, reason)
 
 
-def is_known(jump: Jump, tuning: Tuning, robot: Robot) -> bool:
-    """Whether the robot has a table of solved jumps like this one."""
-    return fits(jump.on_ground(0.0), tuning) and feasible_of(robot) is not None
-
-
-def is_unlikely(jump: Jump, tuning: Tuning, robot: Robot) -> bool:
+def is_unlikely(jump: Jump, tuning: Tuning) -> bool:
     """Whether that table says that a jump is hardly found."""
-    feasible = feasible_of(robot) if is_known(jump, tuning, robot) else None
+    feasible = feasible_of(load_robot(jump.robot)) if knows(jump, tuning) else None
     return feasible is not None and feasible.score(jump) < UNLIKELY
 
 

@@ -18,7 +18,7 @@ from llsrbm.planning.solve.jump_layout import INTERVALS, layout_of
 from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.grid import Grid
-from llsrbm.planning.whole_body.learned_file import fits
+from llsrbm.planning.whole_body.learned_file import leads_to
 from llsrbm.planning.whole_body.nearest import nearest
 from llsrbm.planning.whole_body.refine import (
     planned,
@@ -29,7 +29,6 @@ from llsrbm.planning.whole_body.refine import (
     untried,
 )
 from llsrbm.robots import load_robot
-from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.robot import Robot
 
 FINER = 2.0  # times as many intervals where a certificate does not hold
@@ -97,10 +96,9 @@ class CertifiedPlanner:
         None: the robot has no table of such jumps, or none is found from there. `intervals`: as for
         three phases. Raises `Cancelled`: `cancelled` was true.
         """
-        if not (self.guesses and fits(task.jump.on_ground(0.0), task.tuning)):
+        if not (self.guesses and leads_to(task.jump, task.tuning)):
             return None
-        robot = with_strength(self.robot or load_robot(task.jump.robot))
-        feasible = feasible_of(robot)
+        robot, feasible = task.robot, feasible_of(load_robot(task.jump.robot))
         if feasible is None:
             return None
         grid = Grid.at(task.schedule, layout_of(task.jump, robot, intervals).intervals)
@@ -131,18 +129,17 @@ class CertifiedPlanner:
 
     def _begun(self, task: Task, intervals: int) -> Plan | None:
         """The plan of a task that the robot's table leads to, without a certificate."""
-        robot = with_strength(self.robot or load_robot(task.jump.robot))
-        counts = layout_of(task.jump, robot, intervals).intervals
+        counts = layout_of(task.jump, task.robot, intervals).intervals
         if _lands_and_goes_on(task):
-            return self._through(task, robot, counts)
+            return self._through(task, counts)
         return planned(
-            *(task, robot, counts),
+            *(task, counts),
             settles=self.settles,
             cancelled=self.cancelled,
             progress=self.progress,
         )
 
-    def _through(self, task: Task, robot: Robot, counts: Sequence[int]) -> Plan | None:
+    def _through(self, task: Task, counts: Sequence[int]) -> Plan | None:
         """The plan of several jumps in a row, begun from the table's plans of each by itself.
 
         These are where it begins: what of their certificates does not hold is no matter yet.
@@ -154,7 +151,7 @@ class CertifiedPlanner:
                 return None
             parts.append(part)
         return planned_through(
-            *(task, robot, counts, parts),
+            *(task, counts, parts),
             settles=self.settles,
             cancelled=self.cancelled,
             progress=self.progress,

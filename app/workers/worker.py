@@ -99,9 +99,9 @@ class LibraryPlanner:
 
         Else from the draft, or that itself. Raises `NotConverged`: less alone is found.
         """
-        from llsrbm.certified_nearest import is_known, whole_or_nearest
+        from llsrbm.certified_nearest import whole_or_nearest
         from llsrbm.certified_plan import CertifiedPlanner
-        from llsrbm.motion.robot import robot_of
+        from llsrbm.planning.whole_body.feasible import begins_from_table
 
         self._announce_whole_body(task.plan.jump, progress)
         how: dict[str, Any] = {
@@ -109,7 +109,7 @@ class LibraryPlanner:
             "cancelled": cancelled,
         }
         tuning = task.plan.tuning
-        if is_known(task.wanted, tuning, robot_of(task.plan)):
+        if begins_from_table(task.wanted, tuning):
             return llsrbm.plan(task.wanted, weights=tuning.weights, limits=tuning.limits, **how)
         return whole_or_nearest(CertifiedPlanner(**how), task.plan, task.wanted, None)
 

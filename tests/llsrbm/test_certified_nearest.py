@@ -121,6 +121,6 @@ def test_without_a_table_a_draft_of_less_is_solved_on_one_grid():
 def test_of_a_robot_that_carries_something_no_table_is_missed(caplog):
     loaded = replace(ALL, payload=(2.0, 0.0, 0.0, 0.1))
     robot = with_payload(load_robot("go2"), loaded.payload)
-    assert not certified_nearest.is_unlikely(loaded, Tuning(), robot)
-    assert CertifiedPlanner().nearest(make_task(loaded, robot)) is None
+    assert not certified_nearest.is_unlikely(loaded, Tuning())
+    assert CertifiedPlanner().from_table(make_task(loaded, robot)).certified
     assert not caplog.records

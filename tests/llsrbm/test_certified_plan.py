@@ -92,7 +92,7 @@ def test_a_route_begins_from_plans_of_its_jumps_of_which_none_is_checked(monkeyp
     parts, checked = [], []
     route = Jump(robot="go2", route=({"forward": 0.3, "slope": 0.1}, {"forward": 0.2}))
 
-    def through(task, _robot, _counts, begun, **_):
+    def through(task, _counts, begun, **_):
         parts.extend(begun)
         return replace(plan(), jump=task.jump)
 

@@ -38,12 +38,6 @@ def learn(state: TabState, report: Report, task: Task) -> TabState:
     return replace(state, feasible={**state.feasible, robot.name: found})
 
 
-def is_known(state: TabState) -> bool:
-    """Whether the robot's table knows jumps like the design's."""
-    robot, design = state.robot, state.design
-    return robot is not None and not why_unknown(design.jump, design.tuning.limits, robot)
-
-
 def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
     """Whether a plan of a jump was found whose certificate holds, and with which tuning."""
     match task, report:

@@ -7,12 +7,12 @@ from app.panel.jump_types import not_supported, types_offered, with_type
 from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, submit
 from app.tab.effects import Keep, Queue, Stop
-from app.tab.planning.feasible import is_known
 from app.tab.planning.known import show_again, with_answer
 from app.tab.planning.refining import refine, wants_refining
 from app.tab.simulating import simulate_again, simulate_next
 from app.tab.state import TabState
 from app.workers import tasks
+from llsrbm.planning.whole_body.feasible import begins_from_table
 from llsrbm.request.design import Design
 from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.tuning import Tuning
@@ -85,7 +85,7 @@ class Rested:
 @on(Rested)
 def rest(state: TabState, event: Rested) -> Step:
     """A request that has rested is planned from scratch: by the whole body at once, where the
-    robot's table knows such jumps.
+    robot has a table of jumps from which such ones begin.
     """
     dragging, task = state.work.dragging.rested(event.number)
     if task is None:
@@ -93,7 +93,7 @@ def rest(state: TabState, event: Rested) -> Step:
     state = state.with_work(dragging=dragging)
     shown = state.shown
     drafted = shown is not None and (shown.request, shown.plan.tuning) == (task.jump, task.tuning)
-    if drafted and wants_refining(state) and is_known(state):
+    if drafted and wants_refining(state) and begins_from_table(task.jump, task.tuning):
         return settle(state)
     return _submit_plan(state, task, follows=True)
 

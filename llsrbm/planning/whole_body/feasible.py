@@ -23,8 +23,10 @@ from scipy.special import expit
 
 from llsrbm.arrays import Array, IntArray
 from llsrbm.planning.whole_body.learned import Outcomes
-from llsrbm.planning.whole_body.learned_file import outcomes_of
+from llsrbm.planning.whole_body.learned_file import leads_to, outcomes_of
 from llsrbm.request.jump import COMPONENTS, Jump
+from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
 from llsrbm.robots.robot import Robot
 
 DEGREE = 3
@@ -100,6 +102,11 @@ def feasible_of(robot: Robot) -> Feasible | None:
     """The robot's classifier; None: it has no table of solved jumps."""
     outcomes = outcomes_of(robot)
     return None if outcomes is None else fitted(robot, outcomes)
+
+
+def begins_from_table(jump: Jump, tuning: Tuning) -> bool:
+    """Whether the robot has a table of solved jumps from which this one begins."""
+    return leads_to(jump, tuning) and outcomes_of(load_robot(jump.robot)) is not None
 
 
 @lru_cache(maxsize=16)

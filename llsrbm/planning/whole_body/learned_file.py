@@ -10,6 +10,7 @@ import json
 import logging
 import zipfile
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -27,6 +28,7 @@ from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.request.jump_types import schedule_of
 from llsrbm.request.messages import field_specs
 from llsrbm.request.tuning import Tuning
+from llsrbm.robots import load_robot
 from llsrbm.robots.numbers_key import numbers_key
 from llsrbm.robots.robot import Robot
 
@@ -39,29 +41,47 @@ MULTIPLIER_BITS = 4
 LEAST_MULTIPLIER = 2.0**-13
 _OF_OUTCOMES = ("requests", "flight", "torque_share", "refused")
 
+# Limits that are in the whole body's rows. Others, and weights, a plan has from its draft alone.
+LIMITS = frozenset(
+    (
+        *("friction", "torque_share", "speed_share", "drive_strength", "battery"),
+        *(f"{phase}_{end}" for phase in ("takeoff", "flight", "landing") for end in ("min", "max")),
+        *("apex_min", "apex_max", "clearance", "knee_margin", "feet_apart"),
+    )
+)
+
 _log = logging.getLogger(__name__)
 _Taken = TypeVar("_Taken")
 _Stamped = tuple[tuple[Path, int], ...]  # files, and when they were last written
 
 
-def fits(jump: Jump, tuning: Tuning) -> bool:
-    """Whether a robot's table may have jumps like this one."""
-    plain = Jump(robot=jump.robot)
-    same = all(
-        getattr(jump, name) == getattr(plain, name)
-        for name in field_specs(Jump)
-        if name not in COMPONENTS
-    )
-    return same and not tuning.weights and not tuning.limits
+def leads_to(jump: Jump, tuning: Tuning) -> bool:
+    """Whether jumps like this one may begin from a table of the jump's robot.
 
-
-def table_for(jump: Jump, tuning: Tuning, robot: Robot, grid: Grid) -> Learned | None:
-    """The table that may have jumps like this one, read when it is first wanted.
-
-    A jump with stones, or on slopes, begins from the same one without; where the feet land is in
-    its own rows.
+    What is stood on, a payload, and limits may be others than the table's: they are in the rows of
+    the problem that is solved.
     """
-    return _table(robot, grid) if fits(jump.on_ground(0.0), tuning) else None
+    bare = replace(jump.on_ground(0.0), payload=())
+    return _is_plain(bare) and not tuning.weights and LIMITS.issuperset(tuning.limits)
+
+
+def knows(jump: Jump, tuning: Tuning) -> bool:
+    """Whether what became of a table's jumps is known to become of jumps like this one."""
+    return _is_plain(jump.on_ground(0.0)) and not tuning
+
+
+def _is_plain(jump: Jump) -> bool:
+    plain = Jump(robot=jump.robot)
+    others = (name for name in field_specs(Jump) if name not in COMPONENTS)
+    return all(getattr(jump, name) == getattr(plain, name) for name in others)
+
+
+def table_for(jump: Jump, tuning: Tuning, grid: Grid) -> Learned | None:
+    """The table from which jumps like this one may begin, read when it is first wanted.
+
+    It is that of the robot as its file has it, whatever a request has it carry.
+    """
+    return _table(load_robot(jump.robot), grid) if leads_to(jump, tuning) else None
 
 
 def outcomes_of(robot: Robot) -> Outcomes | None:

@@ -217,7 +217,7 @@ class Refiner:
 
     def nearby(self, jump: Jump, tuning: Tuning) -> Iterate | None:
         """Where a jump begins by the robot's table of solved jumps; None: no table is of it."""
-        table = table_for(jump, tuning, self.robot, self.grid)
+        table = table_for(jump, tuning, self.grid)
         return None if table is None or table.sizes != self.solver.sizes else table.guess(jump)
 
     def _ended(self, rounds: Rounds, plan: Plan, called: float) -> Plan:
@@ -285,7 +285,6 @@ def untried(plan: Plan) -> bool:
 
 def planned(
     task: Task,
-    robot: Robot,
     counts: Sequence[int],
     *,
     settles: bool = False,
@@ -294,14 +293,14 @@ def planned(
 ) -> Plan | None:
     """`Refiner.learned` of a task, by a solver that is built once a process.
 
-    No solver is built for robots without a table. `robot`: the task's, with its drives; `counts`:
-    the intervals of each phase of a draft; `settles`: wait until the solver is compiled.
+    No solver is built for robots without a table. `counts`: the intervals of each phase of a draft;
+    `settles`: wait until the solver is compiled.
     """
     grid, watch = Grid.at(task.schedule, counts), Watch(cancelled, progress)
-    if table_for(task.jump, task.tuning, robot, grid) is None:
+    if table_for(task.jump, task.tuning, grid) is None:
         return None
     start = time.perf_counter()
-    refiner = refiner_at(robot, grid, watch, settles=settles)
+    refiner = refiner_at(task.robot, grid, watch, settles=settles)
     built = time.perf_counter() - start
     found = refiner.learned(task, watch)
     if found is None:
@@ -312,7 +311,6 @@ def planned(
 
 def planned_through(
     task: Task,
-    robot: Robot,
     counts: Sequence[int],
     parts: Sequence[Plan],
     *,
@@ -326,9 +324,9 @@ def planned_through(
     """
     watch = Watch(cancelled, progress)
     start = time.perf_counter()
-    refiner = refiner_at(robot, Grid.at(task.schedule, counts), watch, settles=settles)
+    refiner = refiner_at(task.robot, Grid.at(task.schedule, counts), watch, settles=settles)
     built = time.perf_counter() - start
-    begun = joined(task, unplanned(task, robot, refiner.solver.name), parts)
+    begun = joined(task, unplanned(task, task.robot, refiner.solver.name), parts)
     found = refiner.refine(begun, cancelled=cancelled, progress=progress)
     assert found.refinement is not None
     if found.refinement.status != SOLVED:

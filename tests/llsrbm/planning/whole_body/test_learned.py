@@ -108,33 +108,35 @@ def test_jumps_from_a_table_are_those_from_drafts_in_fewer_iterations():
     assert llsrbm.certify(nearby).holds
 
 
-def test_a_table_is_of_the_default_model_type_and_limits(table, monkeypatch):
+def test_a_table_is_of_the_default_model_and_type(table, monkeypatch):
     monkeypatch.setattr(learned_file, "_table", lambda robot, grid: table)
-    robot, plain = load_robot(ROBOT), Jump(robot=ROBOT, twist=0.3)
+    plain = Jump(robot=ROBOT, twist=0.3)
 
     def found(jump=plain, **tuning):
-        return learned_file.table_for(jump, Tuning(**tuning), robot, GRID)
+        return learned_file.table_for(jump, Tuning(**tuning), GRID)
 
     assert found() is table
-    for other in ({"model": "srbm"}, {"type": "one-foot-first"}, {"payload": (1.0, 0, 0, 0)}):
+    for other in ({"model": "srbm"}, {"type": "one-foot-first"}):
         assert found(replace(plain, **other)) is None
-    # One with single feet elsewhere begins from the same jump without.
-    assert found(replace(plain, stones={"FL": (0.03, 0.0)})) is table
-    assert found(limits={"torque_share": 0.8}) is None
+    # Others begin from the same jump without.
+    for other in ({"stones": {"FL": (0.03, 0.0)}}, {"payload": (1.0, 0, 0, 0)}):
+        assert found(replace(plain, **other)) is table
+    assert found(limits={"torque_share": 0.8, "flight_min": 0.3}) is table
+    # Only drafts know these.
+    assert found(limits={"foot_speed": 3.0}) is None
     assert found(weights={"angular_momentum": 2.0}) is None
 
 
 def test_one_of_another_problem_is_not_begun_from(table, monkeypatch):
     monkeypatch.setattr(learned_file, "_table", lambda robot, grid: table)
-    robot = load_robot(ROBOT)
-    task = make_task(Jump(robot=ROBOT, twist=0.3), robot)
-    assert planned(task, robot, (16, 16, 16)) is None
+    task = make_task(Jump(robot=ROBOT, twist=0.3), load_robot(ROBOT))
+    assert planned(task, (16, 16, 16)) is None
 
 
 def test_without_a_draft_it_is_the_plan_that_it_is_with_one():
     jump = Jump(robot=ROBOT, twist=0.4, forward=0.1)
     robot, draft = load_robot(ROBOT), llsrbm.plan(jump, draft=True)
-    with_one, without = refined(draft), planned(make_task(jump, robot), robot, (16, 16, 16))
+    with_one, without = refined(draft), planned(make_task(jump, robot), (16, 16, 16))
     for quantity in ("time", "base_position", "base_quat", "joint_torque", "foot_in_hip", "com"):
         np.testing.assert_allclose(getattr(without, quantity), getattr(with_one, quantity))
     assert without.limits == draft.limits
@@ -205,7 +207,7 @@ def test_without_patches_only_near_starts_are_begun_from(monkeypatch):
     for loaded in (False, True):
         monkeypatch.setattr(fatrop_patches, "is_loaded", lambda loaded=loaded: loaded)
         with pytest.raises(StopFollowing):
-            planned(make_task(far, load_robot("slider")), load_robot("slider"), (16, 16, 16))
+            planned(make_task(far, load_robot("slider")), (16, 16, 16))
     (miss, sure), (_, bold) = begun
     assert sure < miss < bold
 

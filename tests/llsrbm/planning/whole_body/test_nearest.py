@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 
 from llsrbm.certified_plan import CertifiedPlanner
+from llsrbm.motion.robot import robot_of
 from llsrbm.planning.problem.placement import make_task, retargeted
 from llsrbm.planning.problem.shortfall import distance
 from llsrbm.planning.solve.jump_layout import layout_of
-from llsrbm.planning.whole_body import problem
+from llsrbm.planning.whole_body import nearest, problem
 from llsrbm.planning.whole_body.bounds import RowBounds
+from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.problem import make_problem
 from llsrbm.planning.whole_body.refine import Refiner
@@ -19,6 +21,7 @@ from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots import load_robot
+from llsrbm.robots.payload import with_payload
 
 
 def refiner(robot):
@@ -89,12 +92,40 @@ def test_what_can_be_done_is_done_in_full():
     assert near.plan.certified
 
 
-def test_of_types_and_limits_without_a_table_no_less_is_looked_for():
+@pytest.mark.parametrize(
+    ("payload", "limits"),
+    [((3.0, 0.0, 0.0, 0.08), {}), ((), {"friction": 0.35}), ((), {"drive_strength": 0.8})],
+)
+def test_a_payload_and_other_limits_are_kept(payload, limits):
+    wanted = Jump(robot="go2", twist=1.5, forward=0.2, payload=payload)
+    task = make_task(wanted, with_payload(load_robot("go2"), payload), limits=limits)
+    plan = CertifiedPlanner().from_table(task)
+    assert plan.jump == wanted
+    robot = robot_of(plan)
+    assert robot.mass == pytest.approx(load_robot("go2").mass + sum(payload[:1]))
+    assert robot.drive_strength == limits.get("drive_strength", 1.0)
+    assert limits.items() <= plan.limits.items()
+    horizontal, up = (plan.contact_force[..., part] for part in (slice(2), 2))
+    assert (np.linalg.norm(horizontal, axis=-1) - plan.limits["friction"] * up).max() < 1.0
+
+
+def test_less_begins_where_the_table_is_sure_with_other_limits_from_further_back_too():
     robot = load_robot("go2")
-    for task in (
-        make_task(Jump(robot="go2", type="hops"), robot),
-        make_task(Jump(robot="go2", twist=2.9), robot, limits={"friction": 0.5}),
+    feasible, wanted = feasible_of(robot), Jump(robot="go2", twist=2.9, forward=0.4)
+    (sure,) = nearest._shares(make_task(wanted, robot), feasible)
+    assert feasible.score(nearest._share(wanted, sure)) >= nearest.SURE
+    loose = make_task(wanted, robot, limits={"friction": 0.5})
+    first, second = nearest._shares(loose, feasible)
+    assert 0 < second < first == sure
+
+
+def test_of_types_limits_and_weights_without_a_table_no_less_is_looked_for():
+    robot = load_robot("go2")
+    for jump, tuning in (
+        (Jump(robot="go2", type="hops"), {}),
+        (Jump(robot="go2", twist=2.9), {"limits": {"foot_speed": 3.0}}),
+        (Jump(robot="go2", twist=2.9), {"weights": {"time": 2.0}}),
     ):
-        assert CertifiedPlanner().nearest(task) is None
+        assert CertifiedPlanner().nearest(make_task(jump, robot, **tuning)) is None
     twist = make_task(Jump(robot="go2", twist=2.9), robot)
     assert CertifiedPlanner(guesses=False).nearest(twist) is None
