@@ -1,9 +1,12 @@
+import re
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from app.motion import colours
+from tests.app.legibility import LEAST_CONTRAST
 
 # Machado, Oliveira, Fernandes 2009, full severity, on linear RGB.
 SIGHT = {
@@ -26,7 +29,8 @@ SIGHT = {
 }
 XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 LAYERS = (colours.PLANNED, colours.SIMULATED, *colours.PINNED)
-DARK_PANEL = (0x24, 0x24, 0x24)
+DARK_PANEL, DARK_CARD = (0x24,) * 3, (0x2E,) * 3
+STATIC = Path(colours.__file__).parents[1] / "static"
 
 
 def linear(rgb):
@@ -51,6 +55,19 @@ def test_layers_stand_out(ground):
     luminances = [XYZ[1] @ linear(rgb) + 0.05 for rgb in (ground, *LAYERS, *colours.COMPONENTS)]
     ratios = [max(L / luminances[0], luminances[0] / L) for L in luminances[1:]]
     assert min(ratios) > 2.5
+
+
+@pytest.mark.parametrize(
+    ("ground", "text"),
+    [((255,) * 3, (0,) * 3), (DARK_PANEL, (0xC9,) * 3), (DARK_CARD, (0xC9,) * 3)],
+)
+def test_letters_in_the_colours_of_curves_can_be_read(ground, text):
+    script = (STATIC / "plots.js").read_text()
+    share = int(re.search(r"color-mix\(in srgb, \$\{colour\} (\d+)%", script)[1]) / 100
+    for colour in (*LAYERS, *colours.COMPONENTS):
+        letters = share * np.array(colour) + (1 - share) * np.array(text)
+        dark, light = sorted(XYZ[1] @ linear(rgb) + 0.05 for rgb in (ground, letters))
+        assert light / dark >= LEAST_CONTRAST
 
 
 def test_components_are_told_apart_and_taken_for_no_motion():
