@@ -56,17 +56,24 @@ def nearest(refiner: Refiner, task: Task, feasible: Feasible, watch: Watch) -> I
     Raises:
         Cancelled: it is not wanted any more.
     """
-    reached = None
+    reached, begun = None, []
     for share in _shares(task, feasible):
-        begun = _share(task.jump, share)
-        nearby = refiner.nearby(begun, task.tuning)
+        jump = _share(task.jump, share)
+        nearby = refiner.nearby(jump, task.tuning)
         if nearby is None:
             return
-        reached = _moved(refiner, task, Reached(begun, nearby), PRICE, watch)
-        if reached is not None:
-            break
-    if reached is None:
-        return
+        begun.append(Reached(jump, nearby))
+        reached = reached or _moved(refiner, task, begun[-1], PRICE, watch)
+    if reached is not None:
+        yield from _reached(refiner, task, reached, watch)
+    # Links may pass each other in all of these: less, as the table leads to it by itself.
+    edge = None if reached is None else reached.edge
+    for each in begun:
+        yield replace(each, jump=_in_whole_steps(each.jump, task, 0.0), edge=edge)
+
+
+def _reached(refiner: Refiner, task: Task, reached: Reached, watch: Watch) -> Iterator[Reached]:
+    """The jump that a moved landing comes to, in whole steps, and less of it."""
     if DONE < distance(task, reached.jump) < LITTLE:
         further = _moved(refiner, task, reached, DEARER, watch)
         if further is not None and distance(task, further.jump) < DONE:

@@ -11,6 +11,7 @@ from llsrbm.motion.robot import robot_of
 from llsrbm.planning.problem.placement import make_task, retargeted
 from llsrbm.planning.problem.shortfall import distance
 from llsrbm.planning.solve.jump_layout import layout_of
+from llsrbm.planning.solve.watch import Watch
 from llsrbm.planning.whole_body import nearest, problem
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.feasible import feasible_of
@@ -117,6 +118,20 @@ def test_less_begins_where_the_table_is_sure_with_other_limits_from_further_back
     loose = make_task(wanted, robot, limits={"friction": 0.5})
     first, second = nearest._shares(loose, feasible)
     assert 0 < second < first == sure
+
+
+def test_behind_what_is_reached_is_what_the_table_leads_to_by_itself(monkeypatch):
+    robot = load_robot("go2")
+    of, wanted = refiner(robot), Jump(robot="go2", twist=2.9, forward=0.4)
+    task = make_task(wanted, robot, limits={"friction": 0.5})
+    begun = nearest._shares(task, feasible_of(robot))
+    for far in (None, replace(wanted, twist=2.6)):
+        reached = None if far is None else nearest.Reached(far, of.nearby(far, task.tuning))
+        monkeypatch.setattr(nearest, "_moved", lambda *_, reached=reached: reached)
+        found = [each.jump for each in nearest.nearest(of, task, feasible_of(robot), Watch())]
+        own = [nearest._in_whole_steps(nearest._share(wanted, s), task, 0.0) for s in begun]
+        assert found[-len(own) :] == own
+        assert (len(found) > len(own)) == (far is not None)
 
 
 def test_of_types_limits_and_weights_without_a_table_no_less_is_looked_for():
