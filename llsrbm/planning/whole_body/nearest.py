@@ -94,7 +94,9 @@ def _shares(task: Task, feasible: Feasible) -> tuple[float, ...]:
     """
     shares, jump = np.arange(1.0, 0.0, -STEP), task.jump
     sure = next((s for s in shares.tolist() if feasible.score(_share(jump, s)) >= SURE), 0.0)
-    return (sure,) if knows(jump, task.tuning) else tuple(part * sure for part in OTHERWISE)
+    if sure == 0.0 or knows(jump, task.tuning):
+        return (sure,)
+    return tuple(part * sure for part in OTHERWISE)
 
 
 def _share(jump: Jump, share: float) -> Jump:
