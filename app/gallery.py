@@ -6,6 +6,7 @@ the motions of the library.
 
 import base64
 import math
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 from llsrbm.installed import assets_directory
 from llsrbm.library import shipped
 from llsrbm.library.card import Figures
+from llsrbm.library.stick_figure import StickFigure
 from llsrbm.look.titles import title_of_robot
 from llsrbm.number_text import decimal, degrees
 from llsrbm.request.design import Design, examples
@@ -64,14 +66,19 @@ def motions() -> list[dict[str, str]]:
     ]
 
 
-@cache
-def stick_figures() -> dict[str, dict[str, Any]]:
-    """For the page: name -> what stick_figure.js draws, of motions that have a stick figure."""
-    library = shipped()
+def stick_figures(names: Iterable[str]) -> dict[str, dict[str, Any]]:
+    """For the page: name -> what stick_figure.js draws, of those that have a stick figure."""
+    figures, library = _stick_figures(), shipped()
     return {
-        name: figure.drawn(library.card(name).figures.duration_s)
-        for name, figure in library.stick_figures().items()
+        name: figures[name].drawn(library.card(name).figures.duration_s)
+        for name in names
+        if name in figures
     }
+
+
+@cache
+def _stick_figures() -> dict[str, StickFigure]:
+    return shipped().stick_figures()
 
 
 @cache

@@ -145,6 +145,13 @@ class MotionChosen:
     name: Name
 
 
+@_event("figures")
+class FiguresWanted:
+    """Motions of the library have come into view, and their stick figures are to be seen."""
+
+    names: Annotated[tuple[Name, ...], Field(max_length=500)]
+
+
 @_event("export")
 class ExportChosen:
     """A format was chosen to be written, if there is one of that name."""

@@ -1,8 +1,9 @@
 // The gallery: designs to start from, each as a card with a moving picture, a title and a line. The
 // server sends the cards once (app/gallery.py), when they are to be seen. Below them are the motions of
-// the library, whose stick figures come when the dialog is first open.
+// the library, whose stick figures are asked for as they come into view.
 (() => {
   const { page, element, addToPage, dialog: { chooser } } = window.llsrbm;
+  const AHEAD = "300px"; // above and below what is seen: figures are there when they come into view
   const STILL = matchMedia("(prefers-reduced-motion: reduce)").matches;
 
   const STYLE = `
@@ -53,6 +54,14 @@
     }, element("b", {}, `${robot}: ${kind}`), element("span", {}, line), element("i"));
   }
 
+  // A stick figure has two kilobytes: those of motions that nobody scrolls to are never sent.
+  const coming = new IntersectionObserver((entries) => {
+    const near = entries.filter((entry) => entry.isIntersecting).map(({ target }) => target);
+    if (!near.length) return;
+    for (const button of near) coming.unobserve(button);
+    page.send({ kind: "figures", names: near.map((button) => button.title) });
+  }, { root: dialog, rootMargin: AHEAD });
+
   function showMotions() {
     const kept = motions.filter((each) =>
       Object.entries(chosen).every(([name, value]) => !value || each[name] === value));
@@ -74,6 +83,7 @@
   function fillLibrary(found) {
     motions = found;
     buttons = new Map(motions.map((each) => [each.name, motion(each)]));
+    for (const button of buttons.values()) coming.observe(button);
     if (!motions.length) return;
     dialog.append(element("section", { "aria-label": "Library" },
       element("h3", {}, "Library"),

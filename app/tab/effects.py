@@ -73,7 +73,6 @@ class Outside:
     ) -> None:
         self.client, self.pool, self.link, self.inbox = client, pool, link, inbox
         self.has_gallery = False  # the page has the examples' pictures
-        self.has_figures = False  # and the stick figures of the library's motions
         self._notes: dict[tuple[str, str], viser.NotificationHandle] = {}  # the oldest first
 
     def name(self, queue: Queue, lane: int = 0) -> tuple[int, Queue, int]:
@@ -240,7 +239,7 @@ class Share(Effect):
 
 @dataclass(frozen=True)
 class ShowGallery(Effect):
-    """Show the examples; their pictures are sent once, stick figures when they are first shown."""
+    """Show the examples, and the motions of the library; their pictures are sent once."""
 
     shown: bool = True  # rather than only sent
 
@@ -250,9 +249,16 @@ class ShowGallery(Effect):
             outside.link.call("gallery.fill", gallery.cards(), gallery.motions())
         if self.shown:
             outside.link.call("gallery.open")
-            if not outside.has_figures:
-                outside.has_figures = True
-                outside.link.call("gallery.animate", gallery.stick_figures())
+
+
+@dataclass(frozen=True)
+class SendFigures(Effect):
+    """Send the stick figures of these motions of the library, of those that have one."""
+
+    names: tuple[str, ...]
+
+    def do(self, outside: Outside) -> None:
+        outside.link.call("gallery.animate", gallery.stick_figures(self.names))
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,12 @@
 from dataclasses import dataclass, replace
 
 from app import gallery
-from app.link import ExportChosen, MotionChosen
+from app.link import ExportChosen, FiguresWanted, MotionChosen
 from app.motion.baked import bake_foreign
 from app.panel.acts import Act
 from app.panel.file_controls import PLAN, FileChoice
 from app.tab.acts import Step, joined, on, reads, submit_beside
-from app.tab.effects import Download, Notify, Play, Queue, Reported, ShowExports, Stop
+from app.tab.effects import Download, Notify, Play, Queue, Reported, SendFigures, ShowExports, Stop
 from app.tab.foreign import Foreign
 from app.tab.planning.requests import plan_design, remember
 from app.tab.repairing import check_foreign
@@ -57,6 +57,12 @@ def open_motion(state: TabState, event: MotionChosen) -> Step:
         return state, ()
     state, effects = submit_beside(state, Queue.OPEN, tasks.OpenMotion(event.name))
     return state.with_files(opening=state.tickets, opening_note=""), effects
+
+
+@on(FiguresWanted)
+def send_figures(state: TabState, event: FiguresWanted) -> Step:
+    """Have the page draw the motions that are in view."""
+    return state, (SendFigures(event.names),)
 
 
 @on(tasks.OpenFile, tasks.OpenMotion)

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 from app import gallery
-from app.link import CardsAsked, ExampleChosen, MotionChosen
+from app.link import CardsAsked, ExampleChosen, FiguresWanted, MotionChosen
 from app.panel.acts import Act
 from app.tab.effects import Queue, ShowGallery
 from app.workers.opened_file import OpenedFile
@@ -91,30 +91,42 @@ def test_every_motion_has_a_line():
     assert all("s in the air" in motion["line"] for motion in motions)
 
 
-def test_every_motion_has_a_stick_figure_and_all_are_small():
-    found = gallery.stick_figures()
+def test_every_motion_has_a_stick_figure_and_each_is_small():
+    found = gallery.stick_figures(gallery.motion_names())
     assert found.keys() == gallery.motion_names()
-    assert len(json.dumps(found)) < 300_000
+    assert max(len(json.dumps(drawn)) for drawn in found.values()) < 4_000
     durations = {card.name: card.figures.duration_s for card in shipped().cards}
     for name, drawn in found.items():
         assert drawn["duration"] == pytest.approx(durations[name], abs=1e-3)
 
 
-def test_stick_figures_are_sent_once_and_only_when_the_gallery_is_shown():
-    sent = []
+class Outside:
+    """Keeps what is called in the page."""
 
-    class Outside:
-        has_gallery = has_figures = False
+    has_gallery = False
 
-        class link:
-            @staticmethod
-            def call(function, *arguments):
-                sent.append(function)
+    def __init__(self):
+        self.link, self.called = self, []
 
+    def call(self, function, *arguments):
+        self.called.append((function, *arguments))
+
+
+def test_cards_are_sent_once_and_no_stick_figure_with_them():
     outside = Outside()
     for shown in (False, True, True):
         ShowGallery(shown).do(outside)
-    assert sent == ["gallery.fill", "gallery.open", "gallery.animate", "gallery.open"]
+    assert [call[0] for call in outside.called] == ["gallery.fill", "gallery.open", "gallery.open"]
+
+
+def test_stick_figures_are_sent_of_motions_that_come_into_view():
+    (effect,) = planned_tab().take(FiguresWanted(("go2-together-0001", "go2-together-9999")))
+    outside = Outside()
+    effect.do(outside)
+    ((function, figures),) = outside.called
+    assert function == "gallery.animate"
+    assert figures == gallery.stick_figures(["go2-together-0001"])
+    assert figures["go2-together-0001"]["bytes"]
 
 
 def test_figures_that_are_nothing_are_left_out():

@@ -25,6 +25,17 @@ def test_the_button_opens_it_and_its_pictures_are_sent_once(page):
         shown.wait_for(state="hidden")
 
 
+def test_stick_figures_come_as_their_cards_come_into_view(page):
+    press(page, "Examples")
+    shown = page.get_by_role("dialog", name="Examples")
+    motions = shown.get_by_role("region", name="Library").locator(".motions button")
+    last = motions.last
+    assert last.locator("svg").count() == 0
+    last.scroll_into_view_if_needed()
+    last.locator("svg").wait_for(state="attached")
+    assert motions.locator("svg").count() < motions.count()
+
+
 def test_a_motion_of_the_library_is_filtered_and_opened(page):
     press(page, "Examples")
     shown = page.get_by_role("dialog", name="Examples")
