@@ -105,7 +105,8 @@ def timeline(plan: Plan, rollout: Rollout | None = None) -> Timeline:
         simulated = _simulated(rollout, plan.duration)
         rows = [_planned(plan, end), Strip("simulation", palette.SIMULATED, simulated)]
         marks += _simulated_marks(rollout)
-        bars = tuple(_bar(replan) for replan in rollout.replans)
+        followed = [r.measured for r in rollout.replans if not math.isnan(r.applied)]
+        bars = tuple(_bar(replan, min(followed, default=math.inf)) for replan in rollout.replans)
     marks.sort(key=lambda mark: mark.time)
     return Timeline(tuple(rows), tuple(marks), events, end, bars)
 
@@ -208,12 +209,13 @@ def _pushes(rollout: Rollout) -> list[Mark]:
     ]
 
 
-def _bar(replan: Replan) -> Bar:
+def _bar(replan: Replan, first: float) -> Bar:
+    """`first`: s, when the first one that was followed was begun; before, none need be."""
     took = f"{1e3 * replan.computing_time:.1f} ms of {1e3 * DEADLINE:g} ms"
     if not replan.solved:
         took += ", no solution"
     elif math.isnan(replan.applied):
-        took += ", too late to be followed"
+        took += ", not followed" if replan.measured < first else ", too late to be followed"
     in_time = replan.solved and replan.computing_time <= DEADLINE
     words = f"planned anew at {replan.measured:.3f} s: {took}"
     return Bar(replan.measured, replan.computing_time / DEADLINE, in_time, words)

@@ -109,15 +109,18 @@ def planned_anew(asked, computing_time, *, solved=True, applied=1.0):
 
 def test_computing_times_are_bars_over_their_deadline():
     replans = (
+        planned_anew(0.48, 0.005, applied=np.nan),  # the robot kept to its first plan
         planned_anew(0.50, 0.005),
         planned_anew(0.52, 0.030, applied=np.nan),
         planned_anew(0.54, 0.010, solved=False, applied=np.nan),
     )
     rollout = replace(synthetic_rollout(), replans=replans)
     bars = timeline(rollout.plan, rollout).bars
-    assert [(bar.time, bar.in_time) for bar in bars] == [(0.50, True), (0.52, False), (0.54, False)]
-    assert [bar.height for bar in bars] == pytest.approx([0.25, 1.5, 0.5])
+    in_time = {0.48: True, 0.50: True, 0.52: False, 0.54: False}
+    assert {bar.time: bar.in_time for bar in bars} == in_time
+    assert [bar.height for bar in bars] == pytest.approx([0.25, 0.25, 1.5, 0.5])
     assert [bar.words.partition(": ")[2] for bar in bars] == [
+        "5.0 ms of 20 ms, not followed",
         "5.0 ms of 20 ms",
         "30.0 ms of 20 ms, too late to be followed",
         "10.0 ms of 20 ms, no solution",
