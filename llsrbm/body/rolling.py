@@ -8,7 +8,7 @@ momentum.
 import numpy as np
 
 from llsrbm.arrays import Array, IntArray
-from llsrbm.mechanics import rotation_matrices, rotation_vectors
+from llsrbm.mechanics import apply, rotation_matrices, rotation_vectors
 from llsrbm.request.schedule import Schedule
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -20,6 +20,8 @@ def rolled(
     base_quat: Array,
     schedule: Schedule,
     phase: IntArray,
+    *,
+    frames: bool = False,
 ) -> Array:
     """(K, L, 2) m: how far standing feet are from where they stand, horizontally, world frame.
 
@@ -30,6 +32,7 @@ def rolled(
         robot: the robot.
         joint_position: (K, J) rad at knots; base_quat: (K, 4) w, x, y, z.
         schedule: which feet stand in which phase; phase: (K,) of the interval after each knot.
+        frames: of the feet's frames, which turn about the middles of their balls.
     """
     stands = schedule.stands[phase]
     away = np.zeros((*stands.shape, 2))
@@ -41,8 +44,12 @@ def rolled(
     R_world_foot = rotation_matrices(base_quat)[:, None] @ in_base
     turn = R_world_foot[1:] @ np.swapaxes(R_world_foot[:-1], -1, -2)
     vector = rotation_vectors(turn)
-    radius = np.array([contact.radius for contact in foot_contacts(robot)])[:, None]
+    contacts = foot_contacts(robot)
+    radius = np.array([contact.radius for contact in contacts])[:, None]
     step = radius * np.stack([vector[..., 1], -vector[..., 0]], axis=-1)
+    if frames:
+        middle = np.array([contact.centres[0] for contact in contacts])
+        step -= np.diff(apply(R_world_foot, middle), axis=0)[..., :2]
     for k in range(1, len(away)):
         landed = ~stands[k - 1] & stands[k]
         stood = stands[k - 1][:, None]

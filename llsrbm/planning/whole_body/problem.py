@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from itertools import groupby
 from operator import itemgetter
@@ -15,8 +16,9 @@ from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.sizes import LIMITS, WEIGHTS, Sizes, parts, robot_numbers
 from llsrbm.planning.whole_body.stage import composed_stage
-from llsrbm.planning.whole_body.start import LANDED, Start
+from llsrbm.planning.whole_body.start import LANDED
 from llsrbm.request.jump import COMPONENTS
+from llsrbm.request.schedule import Schedule
 from llsrbm.request.slopes import normals
 from llsrbm.robots.robot import Robot
 
@@ -63,9 +65,11 @@ def _parameters(rows: RowBounds) -> Array:
     own["apart"][:] = slope[::2]
     own["apart_in_middle"][:-1] = slope[1::2]
     place = start.place[::2].copy()
-    rolled_by = _rolled(rows.robot, grid, start)
-    place[..., :2] += rolled_by
-    place[..., 2] += (start.tilt * rolled_by).sum(axis=-1)
+    away = start.rolled
+    if away is None:
+        away = rolled_by(rows.robot, grid, start.task.schedule, start.state)
+    place[..., :2] += away
+    place[..., 2] += (start.tilt * away).sum(axis=-1)
     own["place"][:] = place.reshape(len(values), -1)
     own["tilt"][:] = start.tilt.reshape(len(values), -1)
     own["normal"][:] = normals(start.tilt).reshape(len(values), -1)
@@ -98,13 +102,14 @@ def _offset(rows: RowBounds, own: dict[str, Array]) -> None:
     own["rises"][:], own["rises_in_middle"][:] = np.swapaxes(rises, 0, 1)
 
 
-def _rolled(robot: Robot, grid: Grid, start: Start) -> Array:
-    """(N + 1, L, 2) m: how far standing feet have rolled from where they stand at rest, by the
-    start; zeros of feet in the air.
+def rolled_by(robot: Robot, grid: Grid, schedule: Schedule, state: Mapping[str, Array]) -> Array:
+    """(N + 1, L, 2) m: how far standing feet's frames have rolled from where they stand at rest, in
+    a motion of these states; zeros of feet in the air.
     """
     phase = np.append(grid.phase, len(grid.phases) - 1)
-    state, rests = start.state, np.zeros((len(grid.knots), len(robot.legs), 1))
+    rests = np.zeros((len(grid.knots), len(robot.legs), 1))
     for k, knot in enumerate(grid.knots):
         rests[k, list(knot.resting)] = 1.0
-    away = rolled(robot, state["joint_position"], state["quat"], start.task.schedule, phase)
+    pose = state["joint_position"], state["quat"]
+    away = rolled(robot, *pose, schedule, phase, frames=True)
     return rests * away

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from llsrbm.body.efforts import efforts
@@ -19,7 +20,7 @@ from llsrbm.planning.whole_body.apart import Apart
 from llsrbm.planning.whole_body.bounds import RowBounds
 from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.motion import Motion
-from llsrbm.planning.whole_body.problem import make_problem
+from llsrbm.planning.whole_body.problem import make_problem, rolled_by
 from llsrbm.planning.whole_body.sizes import Sizes
 from llsrbm.planning.whole_body.start import Start, trunk_room, variables
 from llsrbm.planning.whole_body.tops import tops
@@ -53,6 +54,7 @@ BETWEEN = 8  # parts of an interval at whose edges a motion is looked at
 # Shares of the weight, and of it at `ARM` (m), that may be missing between the nodes; certificates
 # allow a tenth.
 MISSED, ARM = 0.09, 0.2
+ASTRAY = 3e-3  # m that feet may come to rest from their places
 _UNITS = {"stop": "rad", "rest": "m/s", "clearance": "m", "apart": "m", "durations": "s"}
 
 
@@ -77,7 +79,7 @@ class Rounds:
     start: Start | None = None
     solution: Solution | None = None
     solved: bool = False
-    _missed: float = np.inf  # by that motion, share of the weight
+    _worst: float = np.inf  # of that motion, as a share of what may be
 
     def __post_init__(self) -> None:
         self.sizes = Sizes.of(self.robot, len(self.grid.phases))
@@ -124,7 +126,7 @@ class Rounds:
                 return False
             guess = self.solutions[-1].variables
             motion = Motion.of(guess, self.grid, self.sizes)
-            self.start = start = start.timed(motion.durations, self.grid)
+            self.start = start = self._as_in(motion, start)
             apart = self._apart(motion, start)
             if apart.holds:
                 break
@@ -146,19 +148,28 @@ class Rounds:
             if not np.isfinite(guess).all() or not (hold or options == (LOOK,)):
                 return
             motion = Motion.of(guess, self.grid, self.sizes)
-            start = start.timed(motion.durations, self.grid)
+            start = self._as_in(motion, start)
             apart = self._apart(motion, start)
             if hold and apart.holds:
-                if not self._accept(motion, start) or once:
+                missed, astray = self._accept(motion, start)
+                if not (astray or (missed and not once)):
                     return
-                start = start.straighter()
+                start = start.straighter() if missed else start
+                options = (NEAR, NEAR) if missed else (self.solutions[-1], NEAR)
             else:
                 start = replace(start.beside(motion.state), apart=apart)
                 start = start.nearer() if hold else start
-            options = (NEAR, NEAR) if hold else (NEARER, NEAR)
+                options = (NEAR, NEAR) if hold else (NEARER, NEAR)
 
-    def _accept(self, motion: Motion, start: Start) -> bool:
-        """Take a motion if it is the first, or misses less; whether one may miss still less."""
+    def _as_in(self, motion: Motion, start: Start) -> Start:
+        """A start with the times of a motion, and balls that roll as they do there."""
+        away = rolled_by(self.robot, self.grid, start.task.schedule, motion.state)
+        return replace(start.timed(motion.durations, self.grid), rolled=away)
+
+    def _accept(self, motion: Motion, start: Start) -> tuple[bool, bool]:
+        """Take a motion if it is the first, or a better one; whether one may be better still: miss
+        less between the nodes, and come to rest nearer to its places.
+        """
         interval, part = np.divmod(np.arange((BETWEEN + 1) * self.grid.intervals), BETWEEN + 1)
         at = motion.within(interval, part / BETWEEN)
         on = normals(start.tilt[interval])
@@ -168,11 +179,23 @@ class Rounds:
         # Links may pass through each other between the instants at which they are apart.
         links = LinkShapes.of(self.robot)
         passing = bool(links.pairs) and links.least(at.q)[0] < 0
-        if passing or missed >= self._missed:
-            return False
+        parts = missed / MISSED, self._astray(motion, start) / ASTRAY
+        if passing or max(parts) >= self._worst:
+            return False, False
         self.motion, self.start, self.solution = motion, start, self.solutions[-1]
-        self.solved, self._missed = True, float(missed)
-        return bool(missed > MISSED)
+        self.solved, self._worst = True, float(max(parts))
+        return parts[0] > 1.0, parts[1] > 1.0
+
+    def _astray(self, motion: Motion, start: Start) -> float:
+        """M between where feet come to rest and their places, horizontally: balls roll otherwise
+        than in the motion beside which they land.
+        """
+        (q,) = motion.at(start.time[-1:]).q
+        model, data = self.robot.model, self.robot.model.createData()
+        pin.framesForwardKinematics(model, data, q)
+        feet = [data.oMf[leg.foot_frame_id].translation[:2] for leg in self.robot.legs]
+        off: Array = np.linalg.norm(np.array(feet) - start.place[-1, :, :2], axis=1)
+        return float(off.max())
 
     def _hold(
         self,

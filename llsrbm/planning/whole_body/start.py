@@ -88,6 +88,8 @@ class Start:
         weights: of costs, but for what differs where the robot has landed.
         solids: the ground and blocks; apart: distances of links from each other and from them, and
             of the CoM from the limits of its apex.
+        rolled: (N + 1, L, 2) m, by how much feet that stand have rolled away from where they rest;
+            None: as they do in this state.
         wanted: (4,) rad and m, by how much more than the task's is wanted of each component; price:
             of a whole range that is not done.
     """
@@ -105,6 +107,7 @@ class Start:
     weights: Mapping[str, float]
     solids: tuple[Block, ...]
     apart: Apart
+    rolled: Array | None = None
     wanted: Array = field(default_factory=partial(np.zeros, len(COMPONENTS)))
     price: float = 0.0
 

@@ -73,6 +73,30 @@ def test_feet_that_have_landed_come_to_stand_in_their_places():
     np.testing.assert_allclose(away[3, :, 0], 0.1 * radius, rtol=1e-6)
 
 
+def test_frames_beside_the_middles_of_their_balls_turn_about_these():
+    """ANYmal's are 23 mm from them: as the body leans they move otherwise than the balls roll."""
+    robot = load_robot("anymal")
+    legs = tuple(leg.name for leg in robot.legs)
+    schedule = Schedule(
+        legs, tuple(Phase(p.name, legs if p.feet else (), p.time, p.place) for p in SCHEDULE)
+    )
+    quats = turned_about((0, 1, 0), [0.0, 0.0, 0.3, 0.1, 0.0])
+    angles = np.tile(robot.posture[7:], (5, 1))
+    pose = robot, angles, quats, schedule, np.array([0, 1, 2, 2, 2])
+    balls, frames = rolled(*pose), rolled(*pose, frames=True)
+    data, from_ball = robot.model.createData(), np.empty((5, 4, 2))
+    for k, quat in enumerate(quats):
+        q = np.concatenate([robot.posture[:3], np.roll(quat, -1), angles[k]])
+        pin.framesForwardKinematics(robot.model, data, q)
+        for leg, contact in enumerate(foot_contacts(robot)):
+            placed = data.oMf[robot.legs[leg].foot_frame_id]
+            from_ball[k, leg] = -(placed.rotation @ contact.centres[0])[:2]
+    np.testing.assert_allclose(frames[-1], 0.0, atol=1e-12)
+    expected = (from_ball - from_ball[-1])[2:]
+    np.testing.assert_allclose((frames - balls)[2:], expected, atol=1e-12)
+    assert np.abs(expected).max() > 3e-3
+
+
 def test_soles_do_not_roll():
     robot = load_robot("slider")
     legs = tuple(leg.name for leg in robot.legs)
