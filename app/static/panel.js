@@ -73,8 +73,9 @@
     ${SCENARIO} > * { min-width: 0; padding: 0 0 5px !important; margin-inline: 0 !important; }
     ${SCENARIO} > :has(.mantine-Slider-root, .llsrbm-wide, .mantine-Button-root) {
       grid-column: 1 / -1; }
-    ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important; padding-right: 4px; }
-    ${SCENARIO} .mantine-NumberInput-root { width: 64px; }
+    ${SCENARIO} ${FIELD} { width: auto !important; flex: 1 1 auto !important;
+      padding-right: 2px !important; }
+    ${SCENARIO} .mantine-NumberInput-root { width: 62px; margin-left: auto; }
     ${SCENARIO} .mantine-NumberInput-input { padding-left: 4px !important; }
 
     ${BOXES} > *, ${SCENARIO} > * { padding-inline: 0 !important; margin-inline: 0 !important; }

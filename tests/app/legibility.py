@@ -62,6 +62,9 @@ UNREADABLE = """([smallest, least, large, largeBold, leastLarge]) => {
     const size = parseFloat(style.fontSize);
     if (size < smallest) say(element, `letters of ${size} px`);
     if (parseFloat(style.letterSpacing) < 0) say(element, `letters ${style.letterSpacing} apart`);
+    const row = element.matches("input") && element.closest(".mantine-Flex-root");
+    const beyond = row && row.clientWidth ? box.right - row.getBoundingClientRect().right : 0;
+    if (beyond > 1) say(element, `${Math.round(beyond)} px beyond its row`);
     if (/hidden|clip/.test(style.overflowX) && element.scrollWidth > element.clientWidth + 1
       || element.matches("input") && element.scrollWidth > element.clientWidth + 1)
       say(element, `${element.scrollWidth} px in ${element.clientWidth}`);

@@ -47,6 +47,8 @@ def test_everything_can_be_read(page, size, night):
     page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
     at_night(page, night)
     unfold(page, "Scenario")
+    page.get_by_label("Push", exact=True).check()
+    page.get_by_label("Push x [N s]", exact=True).wait_for()
     found = {}
     for name, folders in PLACES.items():
         tab(page, name)
