@@ -97,7 +97,7 @@ class Rounds:
     ) -> None:
         """Follow from what is near the solution; `start`: of its motion.
 
-        `straighter`: it is of straighter lines already; the first motion that is found is taken.
+        `straighter`: it is of straighter lines already; none with still straighter ones is sought.
 
         Where that leads nowhere the interior-point solver begins there, unless it is to be followed
         `alone`: of 10 of Go2's requests that its table did not lead to, 8 are found so, in 13 to 53
@@ -126,11 +126,13 @@ class Rounds:
                 return False
             guess = self.solutions[-1].variables
             motion = Motion.of(guess, self.grid, self.sizes)
-            self.start = start = self._as_in(motion, start)
+            self.start = start = start.timed(motion.durations, self.grid)
             apart = self._apart(motion, start)
             if apart.holds:
                 break
-            start = replace(start.beside(motion.state), apart=apart)
+            start = replace(
+                start.beside(motion.state), apart=apart, rolled=self._rolled(motion, start)
+            )
         return True
 
     def _from(
@@ -139,7 +141,7 @@ class Rounds:
         guess: Array,
         options: tuple[SolveOptions | Iterate, ...],
         most: float = np.inf,  # iterations, after which none is begun
-        once: bool = False,  # the first motion that is found is taken
+        once: bool = False,  # none with straighter lines is sought
     ) -> None:
         for _ in range(ROUNDS):
             rows = RowBounds(self.robot, self.grid, self.sizes, start)
@@ -148,7 +150,7 @@ class Rounds:
             if not np.isfinite(guess).all() or not (hold or options == (LOOK,)):
                 return
             motion = Motion.of(guess, self.grid, self.sizes)
-            start = self._as_in(motion, start)
+            start = start.timed(motion.durations, self.grid)
             apart = self._apart(motion, start)
             if hold and apart.holds:
                 missed, astray = self._accept(motion, start)
@@ -160,11 +162,10 @@ class Rounds:
                 start = replace(start.beside(motion.state), apart=apart)
                 start = start.nearer() if hold else start
                 options = (NEAR, NEAR) if hold else (NEARER, NEAR)
+            start = replace(start, rolled=self._rolled(motion, start))
 
-    def _as_in(self, motion: Motion, start: Start) -> Start:
-        """A start with the times of a motion, and balls that roll as they do there."""
-        away = rolled_by(self.robot, self.grid, start.task.schedule, motion.state)
-        return replace(start.timed(motion.durations, self.grid), rolled=away)
+    def _rolled(self, motion: Motion, start: Start) -> Array:
+        return rolled_by(self.robot, self.grid, start.task.schedule, motion.state)
 
     def _accept(self, motion: Motion, start: Start) -> tuple[bool, bool]:
         """Take a motion if it is the first, or a better one; whether one may be better still: miss

@@ -60,7 +60,7 @@ def rows_of(refiner, task, wanted, offset):
 )
 def test_rows_with_an_offset_are_those_of_the_landing_that_is_moved(name, offset, monkeypatch):
     # One motion for both rolls alike, and a landing that turns takes what feet have rolled along.
-    monkeypatch.setattr(problem, "_rolled", lambda *_: 0.0)
+    monkeypatch.setattr(problem, "rolled_by", lambda *_: 0.0)
     robot, height, offset = load_robot(name), offset[0], np.array(offset[1:])
     of = refiner(robot)
     here = make_task(Jump(robot=name, twist=0.5, forward=0.4, height=height), robot)
