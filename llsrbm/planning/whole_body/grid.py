@@ -23,10 +23,8 @@ Array = NDArray[np.float64]
 SAME_INSTANT = 1e-9  # s
 # From 0, even intervals, to 1. On the ground the equations of motion miss least between the nodes
 # from 0.6 to 0.75: a fifth to two fifths of what they miss with even ones. In flight they miss most
-# in its middle, or right before touchdown: there ANYmal's twists of 85 to 130 degrees missed 0.11 of
-# the weight with 0.3, and miss 0.09 with 0.42. A half more intervals in flight make the harder jumps
-# of three robots ones that are found and hold: with as many as on the ground legs that outweigh a
-# trunk miss up to 55 % of the weight.
+# in its middle, and a half more intervals make the harder jumps of three robots ones that are found
+# and hold: with as many as on the ground legs that outweigh a trunk miss up to 55 % of the weight.
 DENSER, DENSER_IN_FLIGHT = 0.65, 0.42
 FINER_IN_FLIGHT = 1.5
 FEWEST = 2  # intervals of a phase
