@@ -25,7 +25,7 @@ SAME_INSTANT = 1e-9  # s
 # from 0.6 to 0.75: a fifth to two fifths of what they miss with even ones. In flight they miss most
 # in its middle, and a half more intervals make the harder jumps of three robots ones that are found
 # and hold: with as many as on the ground legs that outweigh a trunk miss up to 55 % of the weight.
-DENSER, DENSER_IN_FLIGHT = 0.65, 0.42
+DENSER, DENSER_IN_FLIGHT = 0.65, 0.3
 FINER_IN_FLIGHT = 1.5
 FEWEST = 2  # intervals of a phase
 
