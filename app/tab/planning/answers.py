@@ -8,6 +8,7 @@ from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, played_first
 from app.tab.effects import After, Queue, Reported
 from app.tab.planning.beginning import take_draft
+from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
 from app.tab.planning.refining import FOLLOWS
 from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested, settle
@@ -34,7 +35,7 @@ def take_plan_report(state: TabState, event: Reported) -> Step:
         return state.with_status(Verdict.PLANNING, line, busy=True, lasts=report.lasts), ()
     dragging = state.work.dragging.answered(task)
     state = learn(state, report, task).with_work(dragging=dragging)
-    before = (After(dragging.rest_s, Rested(dragging.rest)),) if dragging.rests else ()
+    before = (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
     return joined(before, _take_outcome(state, report))
 
 

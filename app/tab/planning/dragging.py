@@ -19,8 +19,6 @@ from llsrbm.request.tuning import Tuning
 REST = 0.5
 """s without a change after which a request counts as made; twice what a hand takes between steps of
 a slider."""
-FIRST_REST = 0.15
-"""s of the first change after a rest: it was typed, or the next one soon follows."""
 
 _NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
 _NEAR_MOVE = 0.15  # m, likewise
@@ -37,14 +35,6 @@ class DragPlanning:
     rests: bool = False
     # number of rests so far, so that one that was broken off is not taken for a later one
     rest: int = 0
-    # whether nothing was changed for a rest before it; whether nothing is being changed now
-    first: bool = True
-    still: bool = True
-
-    @property
-    def rest_s(self) -> float:
-        """How long it has to rest, s."""
-        return FIRST_REST if self.first else REST
 
     def request(
         self, jump: Jump, tuning: Tuning, shown: Plan | None
@@ -52,8 +42,7 @@ class DragPlanning:
         """The request on its way, and what to plan for it, from the plan shown; None: under way."""
         if (jump, tuning) == self.requested:
             return self, None
-        requested = jump, tuning
-        moved = replace(self, requested=requested, rests=False, first=self.still, still=False)
+        moved = replace(self, requested=(jump, tuning), rests=False)
         alike = shown is not None and _kind(shown.jump) == _kind(jump)
         if shown is None or not alike or not shown.solved or jump.route:
             # A route begins from the plans of its jumps, not from the one before.
@@ -66,22 +55,18 @@ class DragPlanning:
     def answered(self, task: PlanJump) -> DragPlanning:
         """The newest request has its answer; a quick one will be planned again."""
         if task.patient:
-            return replace(self, still=True)
+            return self
         return replace(self, rests=True, rest=self.rest + 1)
-
-    def shows(self, jump: Jump, tuning: Tuning) -> DragPlanning:
-        """A request whose last answer is there already."""
-        return replace(self.forget(), requested=(jump, tuning))
 
     def forget(self) -> DragPlanning:
         """Nothing was requested: the same request counts as a new one."""
-        return replace(self, requested=None, rests=False, still=True)
+        return replace(self, requested=None, rests=False)
 
     def rested(self, number: int) -> tuple[DragPlanning, PlanJump | None]:
         """The task now that the rest with this number is over; None: it was broken off."""
         if not self.rests or number != self.rest or self.requested is None:
             return self, None
-        return replace(self, rests=False, still=True), PlanJump(*self.requested)
+        return replace(self, rests=False), PlanJump(*self.requested)
 
 
 def _kind(jump: Jump) -> tuple[object, ...]:

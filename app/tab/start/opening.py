@@ -9,6 +9,7 @@ from app.tab.acts import Step, joined, on, submit, submit_beside
 from app.tab.comparing import go_on
 from app.tab.effects import After, Effect, LoadRobot, Notify, Play, Queue, Seek, SetPlayback
 from app.tab.inspection import begin_check
+from app.tab.planning.dragging import REST
 from app.tab.planning.largest import search
 from app.tab.planning.refining import show_given_refined
 from app.tab.planning.requests import Rested, plan_design
@@ -95,7 +96,7 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
     elif not state.ready:
         state, begun = plan_design(state)
     elif work.dragging.rests:
-        begun = (After(work.dragging.rest_s, Rested(work.dragging.rest)),)
+        begun = (After(REST, Rested(work.dragging.rest)),)
     robot = state.robot
     if robot is not None and not state.prepared:
         state, meshes = submit_beside(state, Queue.ROBOT, Prepare(robot.name))

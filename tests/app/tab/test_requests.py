@@ -18,7 +18,7 @@ from app.tab.effects import (
     Stop,
     Submit,
 )
-from app.tab.planning.dragging import FIRST_REST, REST
+from app.tab.planning.dragging import REST
 from app.tab.planning.requests import Rested
 from app.tab.start.opening import example_design
 from app.workers.reports import Prepared
@@ -61,30 +61,10 @@ def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
     assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
     tab.finish_plan()
     assert isinstance(tab.one, After)
-    rested = Rested(tab.state.work.dragging.rest)
-    assert vars(tab.one) == {"seconds": FIRST_REST, "event": rested}
+    assert vars(tab.one) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
     assert tab.told[0] is Verdict.DRAFT
     assert tab.state.status.busy
     assert tab.state.plan.jump.forward == 0.05
-
-
-def test_while_a_slider_moves_on_a_hand_has_longer_to_take_its_next_step(tab):
-    rests = []
-    for forward in (0.05, 0.06, 0.07):
-        tab.move(forward=forward)
-        tab.finish_plan()
-        rests.append(tab.one.seconds)
-    assert rests == [FIRST_REST, REST, REST]
-    tab.take(tab.one.event)  # it has rested
-    tab.move(forward=0.08)
-    tab.finish_plan()
-    assert tab.one.seconds == FIRST_REST
-    tab.take(tab.one.event)
-    tab.finish_plan()
-    tab.take(Act.UNDO)  # what is remembered is there at once
-    tab.move(forward=0.02)
-    tab.finish_plan()
-    assert tab.one.seconds == FIRST_REST
 
 
 def test_a_request_that_has_rested_is_planned_from_scratch_and_kept(tab):

@@ -20,7 +20,7 @@ from app.tab.effects import (
     SetPlayback,
     Submit,
 )
-from app.tab.planning.dragging import FIRST_REST
+from app.tab.planning.dragging import REST
 from app.tab.planning.requests import Rested
 from app.tab.start.opening import TabOpened, example_design, left, resume
 from app.workers.opened_file import OpenedFile
@@ -184,7 +184,7 @@ def test_a_request_that_rested_rests_again():
     tab.finish_plan()
     back(tab)
     (after,) = tab.of(After)
-    assert (after.seconds, after.event) == (FIRST_REST, Rested(tab.state.work.dragging.rest))
+    assert (after.seconds, after.event) == (REST, Rested(tab.state.work.dragging.rest))
     tab.take(after.event)
     assert tab.one.task == PlanJump(tab.state.design.jump)
 
