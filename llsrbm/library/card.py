@@ -111,7 +111,8 @@ class Card(BaseModel):
         kind: as people call it: "back-flip", "pirouette", "route", else the jump type.
         drawn: by which draw it was found (`llsrbm.library.draws`); None: it was given.
         request, tuning, limits, report, refinement, certificate: as of a `Plan`.
-        intervals: of each phase.
+        intervals: of each phase; denser_in_flight: how much denser than even ones those of a flight
+            are beside its edges (`Grid`), of motions that were kept before it was said 0.3.
     """
 
     model_config = ConfigDict(frozen=True, ser_json_inf_nan="strings", extra="forbid")
@@ -129,6 +130,7 @@ class Card(BaseModel):
     report: SolveReport
     refinement: Refinement
     intervals: Annotated[tuple[Count, ...], Field(min_length=1, max_length=1000)]
+    denser_in_flight: Annotated[float, Field(ge=0.0, le=1.0)] = 0.3
 
     @property
     def type(self) -> str:

@@ -196,7 +196,7 @@ def stored_motion(plan: Plan, simulated: Simulated, drawn: int | None = None) ->
     robot = robot_of(plan)
     if not any(robot.path == path for path in robot_files().values()):
         raise InputError(f"{robot.path}: expected one of the robots of `llsrbm robots`")
-    intervals, numbers = stored(plan, robot)
+    grid, numbers = stored(plan, robot)
     assert plan.refinement is not None  # by `stored`
     card = Card(
         name=f"{robot.name}-{kind_of(plan.jump)}-0000",
@@ -211,7 +211,8 @@ def stored_motion(plan: Plan, simulated: Simulated, drawn: int | None = None) ->
         limits=dict(plan.limits),
         report=plan.report,
         refinement=plan.refinement,
-        intervals=intervals,
+        intervals=tuple(count for _, count in grid.phases),
+        denser_in_flight=grid.denser_in_flight,
     )
     return checked(StoredMotion(card, numbers), robot)
 

@@ -111,7 +111,7 @@ def mirrored(card: Card, plan: Plan, robot: Robot) -> StoredMotion:
     stands = schedule_of(card.request, robot).stands
     if not np.array_equal(schedule_of(request, robot).stands, stands[:, sides.legs]):
         raise InputError(f"{card.name}: jump type {card.type} has no image in a mirror")
-    grid = Grid.of(plan)
+    grid = Grid.under(plan)
     motion = motion_of(plan, robot, grid)
     changed = {
         "position": lambda values: values * _MIRROR,

@@ -7,7 +7,6 @@ phases' durations. All else of a `Plan` follows from these, its request and the 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -71,8 +70,8 @@ def motion_of(plan: Plan, robot: Robot, grid: Grid) -> Motion:
     )
 
 
-def stored(plan: Plan, robot: Robot | None = None) -> tuple[tuple[int, ...], Stored]:
-    """The numbers of intervals of a plan's phases, and its motion as one row of numbers.
+def stored(plan: Plan, robot: Robot | None = None) -> tuple[Grid, Stored]:
+    """The grid that a plan is of, and its motion as one row of numbers.
 
     Raises:
         InputError: it is no whole body's plan.
@@ -83,9 +82,8 @@ def stored(plan: Plan, robot: Robot | None = None) -> tuple[tuple[int, ...], Sto
             "--draft"
         )
     robot = robot or robot_of(plan)
-    grid = Grid.of(plan)
-    numbers = row_of(motion_of(plan, robot, grid), plan.foot_quat, robot, grid)
-    return tuple(count for _, count in grid.phases), numbers
+    grid = Grid.under(plan)
+    return grid, row_of(motion_of(plan, robot, grid), plan.foot_quat, robot, grid)
 
 
 def row_of(motion: Motion, foot_quat: Array, robot: Robot, grid: Grid) -> Stored:
@@ -147,7 +145,7 @@ def reopened(card: Card, numbers: Stored, robot: Robot, where: str) -> Plan:
     """
     taken = _Numbers(numbers, where)
     task = make_task(card.request, robot, card.tuning.weights, card.limits)
-    grid = _grid(task.schedule, card.intervals, taken)
+    grid = _grid(task.schedule, card, taken)
     sizes = Sizes.of(robot, len(grid.phases))
     count, contacts = grid.intervals, sizes.legs * sizes.corners
     durations = taken.take(len(grid.phases))
@@ -181,8 +179,8 @@ def reopened(card: Card, numbers: Stored, robot: Robot, where: str) -> Plan:
     return replace(plan, certificate=card.certificate)
 
 
-def _grid(schedule: Schedule, intervals: Sequence[int], taken: _Numbers) -> Grid:
+def _grid(schedule: Schedule, card: Card, taken: _Numbers) -> Grid:
     stands = [tuple(np.flatnonzero(legs).tolist()) for legs in schedule.stands]
-    if len(stands) != len(intervals):
-        raise taken.wrong(f"it has {len(intervals)} phases, the schedule {len(stands)}")
-    return Grid(tuple(zip(stands, intervals, strict=True)))
+    if len(stands) != len(card.intervals):
+        raise taken.wrong(f"it has {len(card.intervals)} phases, the schedule {len(stands)}")
+    return Grid(tuple(zip(stands, card.intervals, strict=True)), card.denser_in_flight)
