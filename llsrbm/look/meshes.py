@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _SIMPLE = 200  # faces of a part that are kept in any case
 _CREASE = np.radians(40.0)  # edges sharper than this stay sharp under smooth shading
 _COARSE_CREASE = np.radians(60.0)  # the same of a coarse mesh, which has few vertices to split
-_COARSE_CELL = 0.042  # of the legs' length: what is smaller is one point in a coarse mesh
+_COARSE_CELL = 0.034  # of the legs' length: what is smaller is one point in a coarse mesh
 _OF_SHEET, _DETAIL = 0.08, 0.35  # a sheet's points are at most that share of it, or of the legs'
 _LETTERS = 0.085  # of the legs' length: patches of a colour that are smaller are left out, coarsely
 _FROM, _TELLING = "from", 1e-6  # m, by which vertices of two colours in one place differ

@@ -1,8 +1,8 @@
 """Meshes of a robot, light enough for a browser, and where its bodies are over time.
 
 A URDF's meshes are made for rendering offline (ANYmal B: 400 k faces in 150 parts, with textures).
-Here every moving body becomes one mesh: parts of one colour are merged and simplified together,
-textures become vertex colours. The result is cached.
+Here every moving body becomes one mesh: what is hidden inside is left out, parts of one colour are
+merged and simplified together, textures become vertex colours. The result is cached.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
 from llsrbm.errors import RobotFileError
+from llsrbm.look.hidden import without_hidden
 from llsrbm.look.meshes import coarser, face_shares, simplified
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.robots.feet import collision_shapes
@@ -32,7 +33,7 @@ from llsrbm.robots.urdf import bodies_on
 if TYPE_CHECKING:
     import trimesh
 
-VISUALS_VERSION = "13"  # part of the cache key: raise it when the meshes change
+VISUALS_VERSION = "14"  # part of the cache key: raise it when the meshes change
 FACES = 26_000  # of a whole robot, about; 0.4 MB as viser sends it
 COARSE_FACES = 8_000
 GREY = (0.58, 0.61, 0.65)  # of shapes that stand in for what is drawn
@@ -181,13 +182,16 @@ def viewpoint(robot: Robot) -> tuple[Array, Array]:
 
 
 def _prepare(robot: Robot) -> tuple[LinkVisual, ...]:
-    parts = _coloured_parts(robot)
-    shares = face_shares(list(parts.values()), FACES)
+    bodies: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
+    for (joint, _), part in _coloured_parts(robot).items():
+        bodies[joint].append(part)
+    seen = {joint: without_hidden(bodies[joint]) for joint in sorted(bodies)}
+    shares = iter(face_shares([part for parts in seen.values() for part in parts], FACES))
     size = _size(robot)
-    pieces: dict[int, list[trimesh.Trimesh]] = defaultdict(list)
-    for ((joint, _), part), share in zip(parts.items(), shares, strict=True):
-        pieces[joint].append(simplified(part, share, size))
-    return tuple(link_visual(robot.model, joint, pieces[joint]) for joint in sorted(pieces))
+    return tuple(
+        link_visual(robot.model, joint, [simplified(part, next(shares), size) for part in parts])
+        for joint, parts in seen.items()
+    )
 
 
 def _coarser(visuals: tuple[LinkVisual, ...], robot: Robot) -> tuple[LinkVisual, ...]:

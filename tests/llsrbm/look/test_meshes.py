@@ -62,5 +62,5 @@ def test_where_colours_meet_nothing_is_open():
     bright, dark = (coarse.vertices[seen == value] for value in (250, 120))
     apart = np.linalg.norm(bright[:, None] - dark, axis=2).min(axis=1)
     assert (apart < 1e-5).sum() >= 8  # the border's corners are both colours'
-    assert apart[(apart > 0) & (apart < 0.01)].max() < 1e-5
+    assert apart[(apart > 0) & (apart < 0.005)].max() < 1e-5  # within a cell of the mesh
     assert coarse.area == pytest.approx(plate(lambda *_: grey).area, rel=0.1)
