@@ -21,7 +21,6 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.planning.whole_body.binding import Edge
 from llsrbm.planning.whole_body.feasible import Feasible
-from llsrbm.planning.whole_body.learned_file import knows
 from llsrbm.planning.whole_body.refine import Refiner
 from llsrbm.request.jump import COMPONENTS, STEPS, Jump
 
@@ -34,9 +33,10 @@ DEARER, LITTLE = 3e4, 0.06
 DONE = 2e-3  # of the ranges; what is left below it is nothing
 # Score from which on the table is sure of a jump, and steps in which such a share of one is sought.
 SURE, STEP = 1.0, 0.05
-# Parts of that share, where a payload or limits are others than the table's: with longer flights
-# the whole leads further than 0.6 or 0.3 (distances of 0.00, 0.04 and 0.09, not 0.13 and more).
-OTHERWISE = (1.0, 0.5)
+# Parts of that share, each where the one before leads nowhere: with longer flights the whole leads
+# further than 0.6 or 0.3 (distances of 0.00, 0.04 and 0.09, not 0.13 and more). A payload, limits
+# other than the table's, and some jumps of G1 need less.
+PARTS = (1.0, 0.5, 0.25)
 # Shares of the ranges by which less is done of what is given up, until a certificate holds.
 LESS = (0.0, 0.03, 0.1)
 
@@ -89,14 +89,11 @@ def _reached(refiner: Refiner, task: Task, reached: Reached, watch: Watch) -> It
 def _shares(task: Task, feasible: Feasible) -> tuple[float, ...]:
     """The shares of a jump at which a solve begins, until one leads on.
 
-    The first is the largest of which the table is sure, 0: not even of a small one. With a payload
-    or other limits, which the table does not know, there is a smaller one behind it.
+    The first is the largest of which the table is sure, 0: not even of a small one.
     """
     shares, jump = np.arange(1.0, 0.0, -STEP), task.jump
     sure = next((s for s in shares.tolist() if feasible.score(_share(jump, s)) >= SURE), 0.0)
-    if sure == 0.0 or knows(jump, task.tuning):
-        return (sure,)
-    return tuple(part * sure for part in OTHERWISE)
+    return tuple(part * sure for part in PARTS) if sure else (sure,)
 
 
 def _share(jump: Jump, share: float) -> Jump:

@@ -110,14 +110,13 @@ def test_a_payload_and_other_limits_are_kept(payload, limits):
     assert (np.linalg.norm(horizontal, axis=-1) - plan.limits["friction"] * up).max() < 1.0
 
 
-def test_less_begins_where_the_table_is_sure_with_other_limits_from_further_back_too():
+def test_less_begins_where_the_table_is_sure_and_where_that_leads_nowhere_further_back():
     robot = load_robot("go2")
     feasible, wanted = feasible_of(robot), Jump(robot="go2", twist=2.9, forward=0.4)
-    (sure,) = nearest._shares(make_task(wanted, robot), feasible)
-    assert feasible.score(nearest._share(wanted, sure)) >= nearest.SURE
-    loose = make_task(wanted, robot, limits={"friction": 0.5})
-    first, second = nearest._shares(loose, feasible)
-    assert 0 < second < first == sure
+    for limits in {}, {"friction": 0.5}:
+        sure, *back = nearest._shares(make_task(wanted, robot, limits=limits), feasible)
+        assert feasible.score(nearest._share(wanted, sure)) >= nearest.SURE
+        assert 0 < back[-1] < back[0] < sure
 
 
 def test_behind_what_is_reached_is_what_the_table_leads_to_by_itself(monkeypatch):
