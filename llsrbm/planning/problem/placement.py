@@ -159,7 +159,7 @@ def place_task(jump: Jump, robot: Robot, tuning: Tuning | None = None) -> Task:
         mass=float(robot.mass),
         places=places,
         start_position=np.array(robot.com),
-        goal_position=Rz @ robot.com + end.origin + [0.0, 0.0, end.rise],
+        goal_position=Rz @ robot.com + end.origin + end.aside,
         start_quat=start_quat,
         goal_quat=-quat if turns % 2 else quat,
         start_velocity=np.array([jump.speed, 0.0, 0.0]),
@@ -238,9 +238,9 @@ def _places(
         tilt = gradient(*slopes[k + 1], heading)
         yaw = start.yaw + heading * turning
         places.append(_footholds(robot, feet, yaw, heading, shift, tilt))
-    rise, by_feet = body_over(jump.stones, robot)
-    last = places[-1]
-    places[-1] = replace(last, rise=rise, lean=last.lean + turns_about_z(heading)[:2, :2] @ by_feet)
+    aside, by_feet = body_over(jump.stones, robot)
+    last, Rz = places[-1], turns_about_z(heading)
+    places[-1] = replace(last, aside=Rz @ aside, lean=last.lean + Rz[:2, :2] @ by_feet)
     return tuple(places)
 
 

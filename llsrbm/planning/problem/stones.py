@@ -39,21 +39,24 @@ def offsets(stones: Sequence[Stone], robot: Robot) -> Array:
     return aside
 
 
-def body_over(stones: Sequence[Stone], robot: Robot) -> tuple[float, Array]:
-    """How a body stands over feet at different heights: part of the way to the plane nearest them.
+def body_over(stones: Sequence[Stone], robot: Robot) -> tuple[Array, Array]:
+    """How a body stands over feet that are moved.
 
-    On soles it stands upright at its own height, whatever single feet do.
+    On points it follows their heights, part of the way to the plane nearest them. On soles it
+    stands upright at its own height above their middle, or it would topple over.
 
     Returns:
-        By how much it is higher, m, and (2,) the gradient of what it is level to, ahead and to the
-        left, axes of the robot that lands. Raises `InputError`: see `offsets`.
+        (3,) m by which it is elsewhere, and (2,) the gradient of what it is level to, ahead and to
+        the left, axes of the robot that lands. Raises `InputError`: see `offsets`.
     """
     aside = offsets(stones, robot)
-    if not robot.file.foot.is_point or not aside[:, 2].any():
-        return 0.0, np.zeros(2)
+    if not robot.file.foot.is_point:
+        return aside.mean(axis=0) * [1.0, 1.0, 0.0], np.zeros(2)
+    if not aside[:, 2].any():
+        return np.zeros(3), np.zeros(2)
     places = np.column_stack([np.ones(len(aside)), (robot.feet + aside)[:, :2]])
     rise, *tilt = np.linalg.lstsq(places, aside[:, 2])[0]
-    return RISE * float(rise), LEAN * np.array(tilt)
+    return np.array([0.0, 0.0, RISE * float(rise)]), LEAN * np.array(tilt)
 
 
 def check_stones(task: Task) -> None:
@@ -95,8 +98,8 @@ def _why_not(stones: Sequence[Stone], robot: Robot, reach: Reach, apart: float) 
     aside = offsets(stones, robot)
     lift = np.array([0.0, 0.0, robot.foot_lift])
     usual = robot.mirrors * (robot.feet + lift - robot.base_position - robot.hips)
-    rise, tilt = body_over(stones, robot)
-    from_com = robot.feet + lift + aside - robot.com - [0.0, 0.0, rise]
+    shift, tilt = body_over(stones, robot)
+    from_com = robot.feet + lift + aside - robot.com - shift
     seen = from_com @ rotation_matrices(leaning(tilt))  # from world to base
     lands = robot.mirrors * (seen + robot.com - robot.base_position - robot.hips)
     # A robot's own posture may be out of what its file has legs reach.

@@ -39,7 +39,7 @@ class Footholds:
         tilt: (L, 2) gradients of the surface under each foot, along the world's x and y axes.
         heading: rad, of the robot that stands there.
         origin: (3,) m: where the origin of the default posture is, on the surface.
-        rise: m, by how much the body is higher than over that surface, as some feet are.
+        aside: (3,) m, by how much the body is elsewhere than over that origin, as feet are.
         lean: (2,) gradient of what the body is level to, along the world's x and y axes: that of
             the surface, and of the plane nearest to feet at different heights; on soles 0.
     """
@@ -50,7 +50,7 @@ class Footholds:
     tilt: Array
     heading: float
     origin: Array
-    rise: float = 0.0
+    aside: Array = field(default_factory=lambda: np.zeros(3))
     lean: Array = field(default_factory=lambda: np.zeros(2))
 
     @property
@@ -281,7 +281,7 @@ class Task:
             tilt=np.array([row.tilt[i] for i, row in zip(legs, rows, strict=True)]),
             heading=rows[0].heading,
             origin=rows[0].origin,
-            rise=rows[0].rise,
+            aside=rows[0].aside,
             lean=rows[0].lean,
         )
 

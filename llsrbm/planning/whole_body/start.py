@@ -171,7 +171,7 @@ class Start:
         state["quat"][-1] = task.goal_quat
         for name in ("joint_position", "velocity", "omega", "joint_velocity"):
             state[name][-1] = state[name][0]
-        uneven = any(place.lean.any() or place.rise for place in task.places)
+        uneven = any(place.lean.any() or place.aside.any() for place in task.places)
         if uneven or self.tilt[[0, -1]].any():
             stands = _standing(task, robot)
             state["quat"][0] = task.start_quat
