@@ -8,11 +8,11 @@ from llsrbm.arrays import Array
 from llsrbm.planning.problem.layout import Layout
 from llsrbm.planning.problem.task import Task
 
-# How far corners of soles below the landing surface may come nearer to it than they stood at the
-# start, m: its edge may be anywhere in between, but they are there at lift-off.
+# How far feet below the landing surface may come nearer to it than they stood at the start, m, in
+# any case: they are there at lift-off.
 ROOM = 0.005
-# Points have more room: the edge is in the middle between start and target, and they keep so far
-# from there, m: a foot's radius and as much again.
+# Its edge is in the middle between start and target (`llsrbm.motion.surroundings`). They may come
+# so near to that, m: a ball's radius and as much again, and as much of a sole's corners.
 APART = 0.035
 FAR = 10.0  # m, no bound; finite, see `Constraint.bounds`
 # Feet of a body that turns over come down from this height, m, over this share of their swing: they
@@ -100,7 +100,7 @@ def edge_range(task: Task, phase: int, progress: Array, step: Array) -> tuple[Ar
     edges = [task.edges(phase, i) for i in legs]
     gap = np.array([edge.gap[i] for i, edge in zip(legs, edges, strict=True)])
     rise = np.array([edge.rise for edge in edges])
-    room = np.maximum(ROOM, gap / 2 - APART) if task.foot.is_point else np.full(len(legs), ROOM)
+    room = np.maximum(ROOM, gap / 2 - APART)
     surface = np.maximum(stood.feet[:, 2].max(), lands.feet[:, 2].max()) + ABOVE
     edge = towards.any(axis=1) & (rise != 0)
     up = edge & (rise > 0)

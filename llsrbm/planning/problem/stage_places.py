@@ -180,8 +180,6 @@ class StagePlaces:
         corners = self.layout.corners
         mine = slice(leg * corners, (leg + 1) * corners)
         before, beyond = _largest(start[mine]), -_largest(-goal[mine])
-        if corners > 1:
-            return before, beyond
         gaps = -_largest(-goal) - before, beyond - _largest(start)
         rooms = [_largest(ca.horzcat(ROOM, gap / 2 - APART)) for gap in gaps]
         return before + rooms[0], beyond - rooms[1]
