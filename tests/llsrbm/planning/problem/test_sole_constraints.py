@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from llsrbm.mechanics import yaw
 from llsrbm.planning.problem.costs import COSTS
+from llsrbm.planning.problem.foot_clearance import APART, ROOM, edge_range
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.rotations import (
     across,
@@ -58,6 +59,17 @@ def test_edge(box):
     foot[0] += 0.1
     broken = changed(box.knots, ("feet", LIFT_OFF + 2, LEG, foot))
     assert violations(broken)["edge"].amount == pytest.approx(0.1, abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["slider", "g1", "go2"])
+def test_below_a_box_feet_keep_as_far_from_the_middle_of_their_way_as_balls_do(name):
+    robot = load_robot(name)
+    task = place_task(Jump(robot=name, forward=0.45, height=0.1), robot)
+    low, high = edge_range(task, 1, np.full((1, len(robot.legs)), 0.1), np.full((1, 1), 0.05))
+    toes = task.places[0].contacts[:, 0].reshape(len(robot.legs), -1).max(axis=1)
+    heels = task.places[1].contacts[:, 0].min()
+    assert high[0] == pytest.approx(np.maximum((toes + heels) / 2 - APART, toes + ROOM))
+    assert (low < -1.0).all()  # nothing to mind from behind
 
 
 def test_edges_of_a_box_that_is_turned_lie_ahead_of_each_foot():
