@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -56,20 +57,27 @@ def nearest(refiner: Refiner, task: Task, feasible: Feasible, watch: Watch) -> I
     Raises:
         Cancelled: it is not wanted any more.
     """
-    reached, begun = None, []
+    reached, tried, begun = None, [], _begun(refiner, task, feasible)
+    for each in begun:
+        tried.append(each)
+        reached = _moved(refiner, task, each, PRICE, watch)
+        if reached is not None:
+            yield from _reached(refiner, task, reached, watch)
+            break
+    # Links may pass each other in all of these: less, as the table leads to it by itself.
+    edge = None if reached is None else reached.edge
+    for each in chain(tried, begun):
+        yield replace(each, jump=_in_whole_steps(each.jump, task, 0.0), edge=edge)
+
+
+def _begun(refiner: Refiner, task: Task, feasible: Feasible) -> Iterator[Reached]:
+    """Jumps of the table near each share of a request; none of a robot without a table."""
     for share in _shares(task, feasible):
         jump = _share(task.jump, share)
         nearby = refiner.nearby(jump, task.tuning)
         if nearby is None:
             return
-        begun.append(Reached(jump, nearby))
-        reached = reached or _moved(refiner, task, begun[-1], PRICE, watch)
-    if reached is not None:
-        yield from _reached(refiner, task, reached, watch)
-    # Links may pass each other in all of these: less, as the table leads to it by itself.
-    edge = None if reached is None else reached.edge
-    for each in begun:
-        yield replace(each, jump=_in_whole_steps(each.jump, task, 0.0), edge=edge)
+        yield Reached(jump, nearby)
 
 
 def _reached(refiner: Refiner, task: Task, reached: Reached, watch: Watch) -> Iterator[Reached]:
