@@ -3,10 +3,12 @@
 import math
 import time
 from abc import ABC, abstractmethod
+from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import partial
+from typing import Any, ClassVar, TypeAlias
 
 import casadi as ca
 import numpy as np
@@ -54,6 +56,15 @@ NEAR_MU = NEAR_TOLERANCE / 11
 MAX_FOLLOW_MISS = 1.0
 # Likewise of a guess: analytic ones violate rows by some 3.
 MAX_GUESS_MISS = 100.0
+# An nlpsol that has run holds so many times its work vector, most of it in Fatrop's own matrices:
+# 6 of Go2's draft (50 MB), 4 of its whole body (65), 4 to 5 of a caught flip's (170 and 280).
+WORK_VECTORS = 5.0
+# MB of a problem's nlpsols, one for each set of options; the last used one stays. Three of Go2's
+# whole body fit in, two of G1's. To make one anew takes 0.1 to 0.4 s.
+MOST_MADE = 350.0
+
+Options: TypeAlias = SolveOptions | tuple[float, int] | None
+"""Of a solve from a guess, or what is acceptable of one near a solution."""
 
 
 class Solver(ABC):
@@ -69,8 +80,7 @@ class Solver(ABC):
 
     def _adopt(self, transcribed: Transcribed) -> None:
         self._problem = transcribed
-        self._cold: dict[SolveOptions, ca.Function] = {}
-        self._near: dict[tuple[float, int] | None, ca.Function] = {None: self._solver_near(None)}
+        self._made: OrderedDict[Options, ca.Function] = OrderedDict()  # the last used at the end
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -80,8 +90,18 @@ class Solver(ABC):
 
     @property
     def megabytes(self) -> float:
-        """Memory that it takes, MB; 0 if that is not known."""
-        return self._problem.megabytes
+        """Memory that it takes, MB, about."""
+        return self._problem.megabytes + self._megabytes_made()
+
+    def _megabytes_made(self) -> float:
+        return sum(WORK_VECTORS * 8e-6 * made.sz_w() for made in self._made.values())
+
+    def _nlpsol_for(self, options: Options, make: Callable[[], ca.Function]) -> ca.Function:
+        """The nlpsol of these options; those not used for longest go where memory is short."""
+        self._made[options] = found = self._made.pop(options, None) or make()
+        while len(self._made) > 1 and self._megabytes_made() > MOST_MADE:
+            self._made.popitem(last=False)
+        return found
 
     def replace_by(
         self, faster: Callable[[], Transcribed | None], wait: Callable[[], None] | None = None
@@ -124,10 +144,9 @@ class Solver(ABC):
             if (miss := self.miss(problem, guess)) > MAX_GUESS_MISS:
                 start = Iterate(guess, np.zeros_like(problem.lower))
                 return self._not_begun(problem, start, miss)
-            if options not in self._cold:
-                self._cold[options] = self._solver_from_guesses(options)
+            nlpsol = self._nlpsol_for(options, partial(self._solver_from_guesses, options))
             with nullcontext() if read is None else self._printing(read):
-                return self._run(self._cold[options], problem, {"x0": guess})
+                return self._run(nlpsol, problem, {"x0": guess})
 
     def follow(
         self,
@@ -146,9 +165,8 @@ class Solver(ABC):
             rows = self._rows(problem, start.variables)
             if (miss := largest_violation(problem, rows)) > max_miss:
                 return self._not_begun(problem, start, miss)
-            if acceptable not in self._near:
-                self._near[acceptable] = self._solver_near(acceptable)
-            return self._follow(self._near[acceptable], problem, start, rows)
+            nlpsol = self._nlpsol_for(acceptable, partial(self._solver_near, acceptable))
+            return self._follow(nlpsol, problem, start, rows)
 
     @abstractmethod
     def _follow(

@@ -1,7 +1,8 @@
 """Planners and others that hold solvers are kept for the next request, within a bound of memory.
 
-An interpreted solver takes 130 to 320 MB of a process. Planners, replanners' formulations and
-refiners are kept in one list, the last used; what has not been used for longest goes first.
+A solver takes 100 to 450 MB of a process with all that its solves leave behind. Planners,
+replanners' formulations and refiners are kept in one list, the last used; what has not been used
+for longest goes first.
 """
 
 import ctypes
@@ -17,7 +18,7 @@ from llsrbm.ocp.solvers import Solver
 
 _log = logging.getLogger(__name__)
 
-MOST = 600.0
+MOST = 650.0
 """MB of all solvers that are kept; the last used holder stays, whatever it takes."""
 
 
@@ -41,6 +42,7 @@ def kept(key: Hashable, make: Callable[[], Kind]) -> Kind:
         found = _holders.get(key)
         if found is not None:
             _holders.move_to_end(key)
+            make_room()  # solvers grow as they are used
             return cast("Kind", found)
     made = make()
     with _lock:

@@ -32,8 +32,8 @@ _PACKAGE = Path(__file__).parents[2]
 _MAKERS = tuple(
     f"ocp/{name}.py"
     for name in (
-        *("horizon", "lifting", "derivatives", "composition", "stage_functions"),
-        *("transcription", "solvers/base"),
+        *("horizon", "lifting", "derivatives", "composition"),
+        *("stage_functions", "transcription"),
     )
 )
 _PIECE = 2**20

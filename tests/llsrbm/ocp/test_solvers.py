@@ -155,3 +155,19 @@ def test_the_table_is_read_and_nothing_printed(capfd):
     fatrop.solve(problem(1.0), GUESS, SolveOptions(mu=3e-3, iterations=50))
     fatrop.follow(problem(1.01), fatrop.solve(problem(1.0), GUESS), acceptable=(5e-3, 1))
     assert capfd.readouterr() == ("", "")
+
+
+@every_solver
+def test_memory_of_many_options_is_bounded_and_counted(name, monkeypatch):
+    """Where all do not fit in, the one used last stays; a solve is the same with one made anew."""
+    one, other = FROM_GUESS, replace(FROM_GUESS, mu=1e-3)
+    several = solvers.by_name(name)(transcription())
+    empty = several.megabytes
+    first = several.solve(problem(1.0), GUESS, one)
+    alone = several.megabytes
+    several.solve(problem(1.0), GUESS, other)
+    assert empty < alone < several.megabytes
+    monkeypatch.setattr("llsrbm.ocp.solvers.base.MOST_MADE", 0.0)
+    again = several.solve(problem(1.0), GUESS, one)
+    assert several.megabytes == pytest.approx(alone)
+    np.testing.assert_array_equal(again.variables, first.variables)
