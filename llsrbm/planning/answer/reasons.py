@@ -44,6 +44,10 @@ FEW = 0.1
 # try before says. It is given up after so many, or where one regains less than this share.
 FIRST_TRY, NEXT_TRY, MAX_TRIES, REGAINED = 1.8, 1.6, 3, 0.3
 NAMED = 2  # limits at most
+# Severity from which on a motion is where a solver got lost, 90 rad/s or 300 Nm beyond a limit: its
+# numbers say nothing of the robot.
+LOST = 30.0
+ASTRAY = "the solver ended far from any motion, and no limit can be named"
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,9 +97,11 @@ def refusal(
 
 def unexplained(task: Task, best: Attempt, plan: Plan) -> NotConverged:
     """The error of a request of which no less is known: what its best attempt violates."""
-    found, worst = stops(best.knots), describe_worst(best.violations, best.knots)
     count = plan.report.attempts
     tries = f"{count} attempt{'s' * (count != 1)} ({describe(task.jump)})"
+    if not best.converged and max(map(severity, best.violations.values()), default=0.0) > LOST:
+        return NotConverged(f"no plan found in {tries}: {ASTRAY}", plan, reason=ASTRAY)
+    found, worst = stops(best.knots), describe_worst(best.violations, best.knots)
     reason = " and ".join(map(str, found[:NAMED]))
     return NotConverged(f"no plan found in {tries}: {worst}", plan, found, reason=reason)
 

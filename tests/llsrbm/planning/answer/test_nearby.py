@@ -17,7 +17,7 @@ from llsrbm.motion.sampling import resample
 from llsrbm.motion.solve_report import Refinement, Violation
 from llsrbm.ocp import progress, solvers
 from llsrbm.ocp.horizon import Solution
-from llsrbm.planning.answer import nearest
+from llsrbm.planning.answer import nearest, reasons
 from llsrbm.planning.answer.nearby import from_nearby
 from llsrbm.planning.answer.planner import Planner, planner_for
 from llsrbm.planning.problem.placement import make_task
@@ -183,8 +183,8 @@ def test_an_attempt_is_told(planner):
     assert plan.report.cost == pytest.approx(solved("srbm", "forward").plan.report.cost, rel=5e-3)
 
 
-def test_what_cannot_be_says_what_is_violated(planner):
-    """Where no nearer jump is looked for."""
+def test_what_cannot_be_says_what_was_tried(planner):
+    """Where no nearer jump is looked for; the attempt ends as it began, far from any motion."""
     made_reluctant(planner, 99)
     with pytest.raises(NotConverged) as caught:
         planner.plan(Jump(model="srbm", forward=0.3), patient=False)
@@ -199,10 +199,23 @@ def test_what_cannot_be_says_what_is_violated(planner):
     assert plan.report.status == "not-converged"
     assert plan.report.attempts == 1
     assert caught.value.nearest is None
-    assert caught.value.reason == " and ".join(map(str, caught.value.stops[:2]))
+    assert message.endswith(reasons.ASTRAY)
+    assert caught.value.stops == ()
     assert plan.com.shape == (INTERVALS + 1, 3)
     with pytest.raises(InputError, match="no solution yet"):
         planner.last_knots()
+
+
+@pytest.mark.parametrize("converged", [True, False])
+def test_numbers_of_where_a_solver_got_lost_are_not_told(monkeypatch, converged):
+    """An A1 that turned over "needed 320 rad/s", as the solver had diverged."""
+    monkeypatch.setattr(reasons, "stops", lambda _: ())
+    attempt, plan = attempt_of(converged, 400.0), solved("srbm", "forward").plan
+    task = make_task(Jump(model="srbm", forward=0.3), ROBOT)
+    error = reasons.unexplained(task, attempt, plan)
+    assert ("400 Nm" in str(error)) == converged
+    assert (error.reason == " and ".join(map(str, error.stops[:2]))) == converged
+    assert (reasons.ASTRAY in str(error)) == (error.reason == reasons.ASTRAY) == (not converged)
 
 
 def test_a_near_plan_that_leads_nowhere_costs_an_attempt(planner):
