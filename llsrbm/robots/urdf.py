@@ -9,13 +9,16 @@ import pinocchio as pin
 
 from llsrbm.errors import RobotFileError
 from llsrbm.request.messages import choices
+from llsrbm.request.tables import LARGEST
 from llsrbm.robots.description import Description, installed_shares
+from llsrbm.robots.description.changes import STOP
 from llsrbm.robots.drives.table import Motor
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 
 BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
 ROUNDED = 1e-9  # of a flat body's largest moment, by which rounded ones exceed their sum
+_LEAST_LIMIT = 1e-6  # Nm, N, rad/s or m/s: a joint of less does not move
 _LIGHTEST, _SLIMMEST = 1e-12, 1e-15  # kg and kg m2 of what can be simulated
 
 
@@ -81,6 +84,12 @@ def check_moving(robot: Description, model: pin.Model, where: str) -> None:
                 f'{of_joint} has {given}; expected <limit lower="..." upper="...">, '
                 'type="continuous", or it held in [urdf.held]'
             )
+        lower, upper = (0.0, 0.0) if limit is None else (limit.lower, limit.upper)
+        if joint.kind != "continuous" and max(-lower, upper) > LARGEST:
+            raise RobotFileError(
+                f"{of_joint} has lower = {lower:g} and upper = {upper:g} {joint.unit}; expected "
+                f'numbers up to {LARGEST:g} either way, or type="continuous"'
+            )
     for body in range(BASE_JOINT, model.njoints):
         fault = _impossible(model.inertias[body])
         if fault:
@@ -100,11 +109,31 @@ def check_limits(robot: Robot, where: str) -> None:
         ("velocity", "joint_speed", robot.speed_limit),
     ):
         for name, value in zip(robot.joint_names, values, strict=True):
-            if not value > 0:
-                other = f"limits.{key} in the robot file" if name in legs else "the joint held"
+            if _LEAST_LIMIT <= value <= LARGEST:
+                continue
+            if name in legs and getattr(robot.file.limits, key) is not None:
                 raise RobotFileError(
-                    f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0, '
-                    f"or {other}"
+                    f"{robot.path}: limits.{key}: expected {_LEAST_LIMIT:g} to {LARGEST:g}, got "
+                    f"{value:g} for {name}"
+                )
+            other = f"limits.{key} in the robot file" if name in legs else "the joint held"
+            raise RobotFileError(
+                f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0 '
+                f"and at most {LARGEST:g}, or {other}"
+            )
+
+
+def check_posture(robot: Robot) -> None:
+    """Raise `RobotFileError` unless the default posture is within the URDF's stops."""
+    lower, upper = robot.joint_stops
+    for limb in (*robot.legs, *robot.arms):
+        for joint in limb.joints:
+            k = robot.joint_names.index(joint)
+            angle, unit = robot.posture[7 + k], "m" if joint in robot.sliding_joints else "rad"
+            if not lower[k] - STOP <= angle <= upper[k] + STOP:
+                raise RobotFileError(
+                    f"{robot.path}: posture.{limb.name}: expected {lower[k]:g} to {upper[k]:g} "
+                    f"{unit} for {joint}, as the URDF limits it, got {angle:g}"
                 )
 
 
