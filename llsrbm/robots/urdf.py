@@ -166,6 +166,14 @@ def check_drives(robot: Robot) -> None:
                     f"{robot.path}: drives.electrical.{name}: is of the legs' joints; expected one "
                     "number, or drives.electrical.arms beside it"
                 )
+    for name, friction, torque in zip(
+        robot.joint_names, robot.friction, robot.rated_torque, strict=True
+    ):
+        if friction >= torque:
+            raise RobotFileError(
+                f"{robot.path}: drives.friction: expected less than the torque of {name}, "
+                f"{torque:g}, got {friction:g}"
+            )
     for joint in drives.joints:
         if joint not in robot.joint_names:
             raise RobotFileError(

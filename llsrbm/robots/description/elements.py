@@ -86,6 +86,11 @@ class Part:
         value = self.element.get(key)
         if not value:
             raise self.fault(f'<{self.tag}> has no {key}; expected {key}="..."')
+        if not value.isprintable():
+            raise self.fault(
+                f'<{self.tag} {key}="{printable(value)}"> has control codes or ends of lines; '
+                "expected letters that can be printed"
+            )
         return plain(value, self)
 
     def numbers(
