@@ -34,7 +34,13 @@ from llsrbm.formats.base import (
     frames_of,
     read_beside,
 )
-from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import (
+    MOST_FRAMES,
+    checked_motion,
+    checked_rate,
+    joint_columns,
+    one_rate,
+)
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
@@ -75,8 +81,8 @@ def _write(written: Written, path: Path, options: Options) -> None:
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     beside = read_beside(path)
     rows = _rows(path, robot)
-    rate = beside.get("fps", fps)
-    if rate is None:
+    given = [rate for rate in (beside.get("fps"), fps) if rate is not None]
+    if not given:
         raise FileFormatError(
             f"{path}: the file does not say its rate; expected frames per second with it, or "
             f"{path.name}.meta.json beside it"
@@ -89,9 +95,9 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     order, found = _joints(beside, rows[:, 7:], robot, path)
     _check_columns(beside, rows.shape[1], robot, path)
     qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], rows[:, 7:][:, order]])
-    fps = checked_rate(rate, f"{path}: fps")
+    rate = one_rate([checked_rate(each, f"{path}: fps") for each in given], str(path))
     origin = UNITREE_CSV.name
-    return checked_motion(robot, origin, str(path), fps, qpos, remarks=found, w_first=False)
+    return checked_motion(robot, origin, str(path), rate, qpos, remarks=found, w_first=False)
 
 
 def _joints(
