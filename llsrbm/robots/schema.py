@@ -17,6 +17,7 @@ from llsrbm.request.messages import choices
 from llsrbm.request.tables import (
     Interval,
     Length,
+    OneLine,
     Positive,
     PositiveInterval,
     Table,
@@ -289,7 +290,7 @@ class RobotFile(Table):
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
-    title: Annotated[str, Field(min_length=1)]
+    title: Annotated[str, Field(min_length=1), OneLine]
     urdf: UrdfSource
     legs: Annotated[dict[str, LegFrames], Field(min_length=1)]
     arms: dict[str, ArmFrames] = Field(default_factory=dict)

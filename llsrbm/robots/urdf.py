@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from llsrbm.errors import RobotFileError
+from llsrbm.errors import RobotFileError, printable
 from llsrbm.request.messages import choices
 from llsrbm.request.tables import LARGEST
 from llsrbm.robots.description import Description, installed_shares
 from llsrbm.robots.description.changes import STOP
+from llsrbm.robots.description.mesh_paths import LONGEST_PATH, is_there
 from llsrbm.robots.drives.table import Motor
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
@@ -27,16 +28,19 @@ def find_urdf(file: RobotFile, path: Path) -> Path:
     source = file.urdf
     if source.file is not None:
         urdf = path.parent / source.file
-        if not urdf.is_file():
-            raise RobotFileError(f"{path}: urdf.file: no such file: {urdf}")
+        if not is_there(urdf):
+            raise RobotFileError(
+                f"{path}: urdf.file: no such file: {printable(str(urdf), LONGEST_PATH)}"
+            )
         return urdf
     package, inner = source.installed()
     robots = package_share(package, path) / package / "robots"
     urdf = robots / inner
-    if not urdf.is_file():
+    if not is_there(urdf):
         present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
         raise RobotFileError(
-            f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
+            f'{path}: urdf.path: package {package} has no "{printable(inner, LONGEST_PATH)}"; '
+            f"{choices(inner, present)}"
         )
     return urdf
 

@@ -17,6 +17,9 @@ from urllib.parse import unquote
 
 from llsrbm.errors import RobotFileError, printable
 
+LONGEST_PATH = 300
+"""Characters of a path in a message."""
+
 # Of meshes that can be read.
 _SUFFIXES = frozenset({".stl", ".dae", ".obj", ".glb", ".gltf", ".ply", ".off"})
 _PACKAGE = re.compile(r"<name>\s*([^<\s]+)\s*</name>")

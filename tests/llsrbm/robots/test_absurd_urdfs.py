@@ -84,3 +84,16 @@ def test_names_with_control_codes_are_refused(tmp_path, code):
     with pytest.raises(RobotFileError, match=r'<joint name="\?hip"> has control codes') as caught:
         build_robot(robot_file(tmp_path, URDF.replace('"left_hip"', f'"{code}hip"')))
     assert str(caught.value).isprintable()
+
+
+@pytest.mark.parametrize(
+    "source",
+    ['file = "{long}"', 'package = "example-robot-data"\npath = "{long}"'],
+    ids=["file", "path"],
+)
+def test_a_urdf_whose_name_has_no_end_is_missing(tmp_path, source):
+    path = robot_file(tmp_path)
+    text = path.read_text().replace('file = "strange.urdf"', source.format(long="x" * 5000))
+    path.write_text(text)
+    with pytest.raises(RobotFileError, match=r"urdf\.(file|path): .*xxx\.\.\."):
+        build_robot(path)
