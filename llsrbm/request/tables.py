@@ -1,6 +1,7 @@
 """Tables of files (robots, jump types, designs, sweeps), read and checked strictly."""
 
 import json
+import math
 import tomllib
 import typing
 from collections.abc import Iterator
@@ -15,7 +16,7 @@ from llsrbm.request.messages import choices
 from llsrbm.text_files import read_text
 
 LARGEST = 1e6
-"""Of numbers in SI units that describe robots and jumps: larger ones ruin sums of all of them."""
+"""Of numbers in SI units that describe robots: larger ones ruin sums of all of them."""
 
 _LARGEST = 1_000_000  # bytes; such files have a few thousand
 
@@ -90,9 +91,14 @@ def with_tuples(value: Any) -> Any:
 
 
 def validated(
-    model: type[TableT], table: Any, where: str, error: type[InputError] = InputError
+    model: type[TableT],
+    table: Any,
+    where: str,
+    error: type[InputError] = InputError,
+    largest: float = math.inf,
 ) -> TableT:
-    """A file's content as its model; `where` is the file's name in messages.
+    """A file's content as its model; `where` is the file's name in messages, `largest` a bound of
+    its numbers either way.
 
     Raises `error`: one line: the file, the key, the fault and what would be accepted.
     """
@@ -105,9 +111,9 @@ def validated(
         more = f" (and {len(keys) - 1} more)" if len(keys) > 1 else ""
         raise error(f"{where}: {_sentence(model, details[0])}{more}") from reason
     for key, number in _numbers(found, ""):
-        if abs(number) > LARGEST:
+        if abs(number) > largest:
             raise error(
-                f"{where}: {printable(key)}: expected a number up to {LARGEST:g} either way, got "
+                f"{where}: {printable(key)}: expected a number up to {largest:g} either way, got "
                 f"{number:g}"
             )
     return found

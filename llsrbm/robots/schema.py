@@ -15,6 +15,7 @@ from llsrbm.errors import RobotFileError
 from llsrbm.installed import assets_directory
 from llsrbm.request.messages import choices
 from llsrbm.request.tables import (
+    LARGEST,
     Interval,
     Length,
     OneLine,
@@ -389,4 +390,4 @@ def read_robot_file(path: str | Path) -> RobotFile:
     """
     path = Path(path)
     table = read_table(path, "a robot file", RobotFileError)
-    return validated(RobotFile, table, str(path), RobotFileError)
+    return validated(RobotFile, table, str(path), RobotFileError, LARGEST)
