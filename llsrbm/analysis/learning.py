@@ -12,6 +12,7 @@ from scipy.stats.qmc import Halton
 from llsrbm.analysis.summaries import planned_peak_load
 from llsrbm.certificate import certified, stated
 from llsrbm.errors import InputError, NotConverged
+from llsrbm.files.atomic import check_place
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.problem.placement import make_task
@@ -51,6 +52,8 @@ def learn(
     Raises:
         InputError: fewer jumps were found than a table needs, or the file cannot be written.
     """
+    if out is not None:
+        check_place(out)
     refiner = _refiner(robot)
     path = out or places(robot, refiner.grid)[1]
     table = read(path, robot, refiner.grid)

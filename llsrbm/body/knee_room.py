@@ -42,6 +42,8 @@ def knee_width(robot: Robot) -> float:
     pin.framesForwardKinematics(robot.model, data, robot.posture)
     widths = [0.0]
     for leg, hip in zip(robot.legs, robot.hips, strict=True):
+        if hip[1] == 0.0:  # in the middle, as a third leg: it has none beside it
+            continue
         inwards = np.array([0.0, -np.sign(hip[1]), 0.0])
         shank = data.oMi[leg.joint_ids[joint]]
         shapes = (x for x in link_shapes(robot) if x.joint == leg.joint_ids[joint] and not x.foot)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 
 from llsrbm.errors import InputError
+from llsrbm.files.atomic import check_place
 from llsrbm.number_text import decimal, degrees
 from llsrbm.request.jump import INCLINES, TYPE_PARAMETERS, Jump, Load, parse_payload
 from llsrbm.request.messages import FieldSpec, Number, field_specs
@@ -30,7 +31,19 @@ if TYPE_CHECKING:
 
 Robot = Annotated[str, typer.Option(help="A name (see `llsrbm robots`) or a robot file's path.")]
 Planner = Annotated[str, typer.Option(help="fatrop or ipopt.")]
-Out = Annotated[Path | None, typer.Option(metavar="FILE", help="Write the result here (npz).")]
+
+
+def _writable(path: Path | None) -> Path | None:
+    """The path, if a file can be written there: told before minutes of work are lost."""
+    if path is not None:
+        check_place(path)
+    return path
+
+
+Out = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Write the result here (npz).", callback=_writable),
+]
 AsJson = Annotated[
     bool, typer.Option("--json", help="Print one JSON object on stdout, the rest on stderr.")
 ]
@@ -149,12 +162,22 @@ def requested_tuning(tuning: Tuning, weight: list[str] | None, limit: list[str] 
     """
     from llsrbm.planning.problem.limits import limit_unit
 
-    weights = dict(_assignment("--weight", given) for given in weight or [])
-    limits = dict(_assignment("--limit", given) for given in limit or [])
+    weights = _assignments("--weight", weight or [])
+    limits = _assignments("--limit", limit or [])
     for name in limits:
         if limit_unit(name) == "rad":  # degrees on the command line
             limits[name] = math.radians(limits[name])
     return Tuning({**tuning.weights, **weights}, {**tuning.limits, **limits})
+
+
+def _assignments(option: str, given: list[str]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for text in given:
+        name, value = _assignment(option, text)
+        if name in found:
+            raise InputError(f"{option} {text}: {name} is given twice; expected every name once")
+        found[name] = value
+    return found
 
 
 def _assignment(option: str, given: str) -> tuple[str, float]:

@@ -3,6 +3,7 @@
 Exit status: 0 done, 1 it ran and failed, 2 bad input with one line on stderr.
 """
 
+import errno
 import sys
 from importlib.metadata import EntryPoint, entry_points
 from typing import Annotated, Any
@@ -33,8 +34,10 @@ from llsrbm.commands.robot_sim import robot_sim_command
 from llsrbm.commands.simulate import simulate_command
 from llsrbm.commands.streams import OutputLost, usable_streams
 from llsrbm.commands.sweep import dataset_command, sweep_command
-from llsrbm.errors import Error, InputError
+from llsrbm.errors import Error, InputError, printable
 
+_OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # of paths that nobody can have meant
+_LONGEST_PATH = 300  # characters in a message
 _PLUGINS = "llsrbm.commands"  # entry points that add commands, e.g. `serve` of the application
 
 
@@ -125,8 +128,9 @@ def _run(arguments: list[str] | None) -> int:
             print_error(f"stdout: cannot be written: {error.reason}")
         return FAILED
     except OSError as error:
-        print_error(f"{error.filename or 'a file'}: {error.strerror or error}")
-        return FAILED
+        name = printable(str(error.filename or "a file"), _LONGEST_PATH)
+        print_error(f"{name}: {error.strerror or error}")
+        return BAD_INPUT if error.errno in _OF_NAMES else FAILED
     return status if isinstance(status, int) else DONE
 
 

@@ -39,12 +39,7 @@ def staged(path: str | Path) -> Iterator[Path]:
         return
     draft = None
     try:
-        special = _is_special(target)
-        target = target if special else target.resolve()
-        if not special and not target.parent.is_dir():
-            raise FileNotFoundError(0, f"no such directory as {target.parent}")
-        if not target.name:
-            raise IsADirectoryError(0, "it is a directory")
+        target, special = _place(target)
         with tempfile.TemporaryDirectory(
             prefix=_PREFIX,  # not the target's name, which may be as long as names can be
             suffix=".tmp",
@@ -59,11 +54,40 @@ def staged(path: str | Path) -> Iterator[Path]:
                 _take_places(Path(folder), target)
     except OSError as error:
         of_another = error.filename and draft and not str(error.filename).startswith(str(draft))
-        what = f" ({error.filename})" if of_another else ""
-        raise InputError(
-            f"cannot write {path}: {error.strerror or error}{what}; expected a path in a directory "
-            "that exists and may be written to"
-        ) from error
+        raise _cannot_write(path, error, f" ({error.filename})" if of_another else "") from error
+
+
+def check_place(path: str | Path) -> None:
+    """Raise `InputError`, as `staged` would in the end, where no file can be written: to be called
+    before what takes its time to find.
+    """
+    try:
+        target, special = _place(Path(path))
+        if target.is_dir():
+            raise IsADirectoryError(0, "it is a directory")
+        if not special:
+            with tempfile.TemporaryFile(dir=target.parent):
+                pass
+    except OSError as error:
+        raise _cannot_write(path, error) from error
+
+
+def _place(target: Path) -> tuple[Path, bool]:
+    """Where the path leads, and whether bytes have to be sent there; `OSError`: nowhere."""
+    special = _is_special(target)
+    target = target if special else target.resolve()
+    if not special and not target.parent.is_dir():
+        raise FileNotFoundError(0, f"no such directory as {target.parent}")
+    if not target.name:
+        raise IsADirectoryError(0, "it is a directory")
+    return target, special
+
+
+def _cannot_write(path: str | Path, error: OSError, what: str = "") -> InputError:
+    return InputError(
+        f"cannot write {path}: {error.strerror or error}{what}; expected a path in a directory "
+        "that exists and may be written to"
+    )
 
 
 def _is_special(target: Path) -> bool:

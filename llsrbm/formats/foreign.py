@@ -17,6 +17,7 @@ from llsrbm.robots import Robot
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
 _HELD = 0.01  # rad or m by which a held joint may be elsewhere without a remark
+_SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
 _UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rounding in files
 
 
@@ -30,6 +31,16 @@ def checked_rate(value: Any, where: str) -> float:
             f"{where}: expected frames per second, 0 < fps <= {FASTEST:g}, got {value!r:.40}"
         )
     return float(value)
+
+
+def one_rate(rates: Sequence[float], where: str) -> float:
+    """The rate, frames/s, that all accounts of a file have; `FileFormatError`: they differ."""
+    for other in rates:
+        if abs(other - rates[0]) > _SAME_RATE * rates[0]:
+            raise FileFormatError(
+                f"{where}: {rates[0]:g} frames/s by one account, {other:g} by another; expected one"
+            )
+    return rates[0]
 
 
 def joint_columns(

@@ -33,7 +33,13 @@ from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, keys, read_archive, text, write_archive
 from llsrbm.files.quantity import BODY, JOINT, TIME, WXYZ, XYZ, Kind, Quantity
 from llsrbm.formats.base import ORDERS, Format, Options, Purpose, Written, frames_of
-from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import (
+    MOST_FRAMES,
+    checked_motion,
+    checked_rate,
+    joint_columns,
+    one_rate,
+)
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order, root_com
 from llsrbm.motion.whole_body import WholeBodyMotion
@@ -101,11 +107,11 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
     qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
     qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])
-    if "fps" in arrays:
-        fps = checked_rate(arrays["fps"], f'{path}: key "fps"')
-    elif fps is None:
+    rates = [checked_rate(arrays["fps"], f'{path}: key "fps"')] if "fps" in arrays else []
+    rates += [] if fps is None else [checked_rate(fps, f"{path}: fps")]
+    if not rates:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
-    rate = checked_rate(fps, f"{path}: fps")
+    rate = one_rate(rates, str(path))
     return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel, remarks=found)
 
 

@@ -6,10 +6,10 @@ slide: of G1 29, legs, waist, arms with wrists. Those that the robot's file hold
 them. World frame, z up. A row is Pinocchio's q. Quaternions have no jumps of sign.
 
 The file says neither its rate nor its joints: the JSON file beside it, under its name and
-".meta.json", does (`fps`, `joint_order`, `columns`, `units`, `quaternion_order`). 30 frames/s
-unless asked otherwise, for the converters of mjlab and BeyondMimic take a file to have 30 where
-nobody tells them; they resample it and take differences, which smears lift-off and touchdown: the
-format "motion-npz" has exact velocities.
+".meta.json", does (`fps`, `joint_order`, `columns`, `column_units`, `quaternion_order`): of other
+columns or units it is not opened. 30 frames/s unless asked otherwise, for the converters of mjlab
+and BeyondMimic take a file to have 30 where nobody tells them; they resample it and take
+differences, which smears lift-off and touchdown: the format "motion-npz" has exact velocities.
 
 Can be opened: with the rate and the joints of the file beside it, else with the rate that is asked
 for and in the robot's order, with held joints or without; of G1 also 27 (no waist roll and pitch)
@@ -34,7 +34,13 @@ from llsrbm.formats.base import (
     frames_of,
     read_beside,
 )
-from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import (
+    MOST_FRAMES,
+    checked_motion,
+    checked_rate,
+    joint_columns,
+    one_rate,
+)
 from llsrbm.motion.bodies import urdf_joints
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
@@ -42,6 +48,7 @@ from llsrbm.text_files import read_text
 
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]
+_ROOT, _ROOT_UNITS = ("x", "y", "z", "qx", "qy", "qz", "qw"), "mmm1111"
 _WHAT = "rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints [rad, m]"
 _EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
@@ -66,16 +73,16 @@ def _write(written: Written, path: Path, options: Options) -> None:
         options,
         quaternion_order="xyzw",
         joint_order=list(order.joints),
-        columns=["x", "y", "z", "qx", "qy", "qz", "qw", *order.joints],
-        column_units=[*"mmm1111", *order.units],
+        columns=[*_ROOT, *order.joints],
+        column_units=[*_ROOT_UNITS, *order.units],
     )
 
 
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     beside = read_beside(path)
     rows = _rows(path, robot)
-    rate = beside.get("fps", fps)
-    if rate is None:
+    given = [rate for rate in (beside.get("fps"), fps) if rate is not None]
+    if not given:
         raise FileFormatError(
             f"{path}: the file does not say its rate; expected frames per second with it, or "
             f"{path.name}.meta.json beside it"
@@ -86,10 +93,11 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
             f'{path}.meta.json: quaternion_order: expected "xyzw", got {json.dumps(order):.40}'
         )
     order, found = _joints(beside, rows[:, 7:], robot, path)
+    _check_columns(beside, rows.shape[1], robot, path)
     qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], rows[:, 7:][:, order]])
-    fps = checked_rate(rate, f"{path}: fps")
+    rate = one_rate([checked_rate(each, f"{path}: fps") for each in given], str(path))
     origin = UNITREE_CSV.name
-    return checked_motion(robot, origin, str(path), fps, qpos, remarks=found, w_first=False)
+    return checked_motion(robot, origin, str(path), rate, qpos, remarks=found, w_first=False)
 
 
 def _joints(
@@ -97,10 +105,34 @@ def _joints(
 ) -> tuple[list[int], tuple[str, ...]]:
     named = "joint_order" in beside
     where = f"{path}.meta.json: joint_order" if named else str(path)
-    names = beside["joint_order"] if named else list(_orders(robot)[position.shape[1]])
+    names = _names(beside, position.shape[1], robot)
     if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
         raise FileFormatError(f"{where}: expected a list of names")
     return joint_columns(names, position, robot, where)
+
+
+def _names(beside: dict[str, Any], count: int, robot: Robot) -> Any:
+    """Joints of so many columns: those that the file beside the table has."""
+    return beside["joint_order"] if "joint_order" in beside else list(_orders(robot)[count])
+
+
+def _check_columns(beside: dict[str, Any], width: int, robot: Robot, path: Path) -> None:
+    """Raise `FileFormatError` if the file beside the table has other columns, or in other units."""
+    names = _names(beside, width - 7, robot)
+    every = urdf_joints(robot)
+    units = dict(zip(every.joints, every.units, strict=True))
+    for key, expected in (
+        ("columns", [*_ROOT, *([] if "joint_order" in beside else names)]),
+        ("column_units", [*_ROOT_UNITS, *(units[name] for name in names)]),
+    ):
+        given = beside.get(key, expected)
+        if not isinstance(given, list) or given[: len(expected)] != expected:
+            pairs = zip(given, expected, strict=False) if isinstance(given, list) else ()
+            one, other = next((pair for pair in pairs if pair[0] != pair[1]), (given, expected))
+            raise FileFormatError(
+                f"{path}.meta.json: {key}: expected {json.dumps(other):.60}, got "
+                f"{json.dumps(one):.60}; such tables are not converted"
+            )
 
 
 def _orders(robot: Robot) -> dict[int, tuple[str, ...]]:
@@ -129,7 +161,7 @@ def _rows(path: Path, robot: Robot) -> Array:
         if columns > _MOST_COLUMNS:
             raise _wrong_width(path, number, columns, widths, robot)
         try:
-            row = [float(cell) for cell in line.split(",")]
+            row = [_number(cell) for cell in line.split(",")]
         except ValueError as error:
             if number == 1:
                 raise FileFormatError(
@@ -144,6 +176,13 @@ def _rows(path: Path, robot: Robot) -> Array:
         widths = [columns]
         rows.append(row)
     return np.array(rows, dtype=np.float64).reshape(-1, widths[0])
+
+
+def _number(cell: str) -> float:
+    """A cell's number; raises `ValueError`: it is none, or has digits as Python alone has them."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError(cell)
+    return float(cell)
 
 
 def _wrong_width(

@@ -31,11 +31,13 @@ def choices(given: str, valid: Iterable[str]) -> str:
     """The part of a message that names the accepted values, the closest match first."""
     names = list(valid)
     close = difflib.get_close_matches(given, names, n=1)
-    listed = ", ".join(names[:_SHOWN])
+    listed = ", ".join(printable(name, _LONGEST_NAME) for name in names[:_SHOWN])
     if len(names) > _SHOWN:
         nearest = difflib.get_close_matches(given, names, n=_SHOWN, cutoff=0.0)
-        listed = ", ".join(nearest) + f" and {len(names) - _SHOWN} more"
-    return (f'did you mean "{close[0]}"? ' if close else "") + f"valid: {listed}"
+        shown = (printable(name, _LONGEST_NAME) for name in nearest)
+        listed = ", ".join(shown) + f" and {len(names) - _SHOWN} more"
+    meant = f'did you mean "{printable(close[0], _LONGEST_NAME)}"? ' if close else ""
+    return f"{meant}valid: {listed}"
 
 
 def look_up(kind: str, name: str, entries: Mapping[str, T], otherwise: str = "") -> T:

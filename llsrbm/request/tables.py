@@ -1,6 +1,7 @@
 """Tables of files (robots, jump types, designs, sweeps), read and checked strictly."""
 
 import json
+import math
 import tomllib
 import typing
 from collections.abc import Iterator
@@ -13,6 +14,9 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 from llsrbm.errors import InputError, printable
 from llsrbm.request.messages import choices
 from llsrbm.text_files import read_text
+
+LARGEST = 1e6
+"""Of numbers in SI units that describe robots: larger ones ruin sums of all of them."""
 
 _LARGEST = 1_000_000  # bytes; such files have a few thousand
 
@@ -87,20 +91,47 @@ def with_tuples(value: Any) -> Any:
 
 
 def validated(
-    model: type[TableT], table: Any, where: str, error: type[InputError] = InputError
+    model: type[TableT],
+    table: Any,
+    where: str,
+    error: type[InputError] = InputError,
+    largest: float = math.inf,
 ) -> TableT:
-    """A file's content as its model; `where` is the file's name in messages.
+    """A file's content as its model; `where` is the file's name in messages, `largest` a bound of
+    its numbers either way.
 
     Raises `error`: one line: the file, the key, the fault and what would be accepted.
     """
     try:
-        return model.model_validate(table)
+        found = model.model_validate(table)
     except ValidationError as reason:
         # A misspelt key is both unknown and missing; the first says more.
         details = sorted(reason.errors(), key=lambda detail: detail["type"] != "extra_forbidden")
         keys = {_key(model, detail) for detail in details}
         more = f" (and {len(keys) - 1} more)" if len(keys) > 1 else ""
         raise error(f"{where}: {_sentence(model, details[0])}{more}") from reason
+    for key, number in _numbers(found, ""):
+        if abs(number) > largest:
+            raise error(
+                f"{where}: {printable(key)}: expected a number up to {largest:g} either way, got "
+                f"{number:g}"
+            )
+    return found
+
+
+def _numbers(value: Any, key: str) -> Iterator[tuple[str, float]]:
+    """All numbers that a checked table has for real ones, each with its key."""
+    if isinstance(value, float):
+        yield key, value
+    elif isinstance(value, BaseModel):
+        for name, info in type(value).model_fields.items():
+            yield from _numbers(getattr(value, name), f"{key}.{info.alias or name}".lstrip("."))
+    elif isinstance(value, dict):
+        for name, item in value.items():
+            yield from _numbers(item, f"{key}.{name}".lstrip("."))
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _numbers(item, key)
 
 
 def fault(message: str) -> PydanticCustomError:

@@ -25,6 +25,7 @@ from llsrbm.robots.urdf import (
     check_joints,
     check_limits,
     check_moving,
+    check_posture,
     find_urdf,
     frame_id,
     joint_chain,
@@ -142,6 +143,7 @@ def build_robot(path: str | Path) -> Robot:
         base_position=posture[:3].copy(),
         load_fit=load_or_fit,
     )
+    check_posture(robot)
     check_limits(robot, where)
     check_drives(robot)
     model.armature[BASE_JOINT + 5 :] = robot.armature

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import trimesh
 
 _POINTER = b"version https://git-lfs"
+_MERGED = (".stl", ".obj", ".ply", ".off")  # corners in one place are one, as trimesh has it
 _GREY = "0.7 0.7 0.7 1"
 
 _log = logging.getLogger(__name__)
@@ -46,7 +47,9 @@ def _read(path: Path, _written: int) -> tuple[trimesh.Trimesh, ...]:
     import trimesh
 
     try:
-        scene = _collada(path) if path.suffix.lower() == ".dae" else trimesh.load_scene(path)
+        ending = path.suffix.lower()
+        # trimesh drops faces with corners that are no numbers if it may merge as it reads.
+        scene = _collada(path) if ending == ".dae" else trimesh.load_scene(path, process=False)
         found = [mesh for mesh in scene.dump() if isinstance(mesh, trimesh.Trimesh)]
     except Exception as error:  # whatever a damaged file makes a reader of meshes raise
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -56,6 +59,10 @@ def _read(path: Path, _written: int) -> tuple[trimesh.Trimesh, ...]:
         raise RobotFileError(f"{path}: this mesh is empty; expected faces")
     if not all(np.isfinite(mesh.vertices).all() for mesh in found):
         raise RobotFileError(f"{path}: this mesh has corners that are no numbers; expected numbers")
+    if ending in _MERGED:
+        for mesh in found:
+            with np.errstate(invalid="ignore"):  # of corners too far away, which are told later
+                mesh.process()
     return tuple(found)
 
 

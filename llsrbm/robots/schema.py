@@ -15,8 +15,10 @@ from llsrbm.errors import RobotFileError
 from llsrbm.installed import assets_directory
 from llsrbm.request.messages import choices
 from llsrbm.request.tables import (
+    LARGEST,
     Interval,
     Length,
+    OneLine,
     Positive,
     PositiveInterval,
     Table,
@@ -289,7 +291,7 @@ class RobotFile(Table):
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9_-]*$")]
-    title: Annotated[str, Field(min_length=1)]
+    title: Annotated[str, Field(min_length=1), OneLine]
     urdf: UrdfSource
     legs: Annotated[dict[str, LegFrames], Field(min_length=1)]
     arms: dict[str, ArmFrames] = Field(default_factory=dict)
@@ -388,4 +390,4 @@ def read_robot_file(path: str | Path) -> RobotFile:
     """
     path = Path(path)
     table = read_table(path, "a robot file", RobotFileError)
-    return validated(RobotFile, table, str(path), RobotFileError)
+    return validated(RobotFile, table, str(path), RobotFileError, LARGEST)

@@ -14,11 +14,10 @@ from typing import Literal
 import coal
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from llsrbm.arrays import Array
 from llsrbm.cache import cache_path, content_key, read_arrays, write_arrays
-from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import CORNERS
 from llsrbm.robots.feet import collision_shapes, foot_contacts
 from llsrbm.robots.robot import Leg, Robot
@@ -29,7 +28,7 @@ Kind = Literal["sphere", "box", "cylinder", "capsule", "hull"]
 _LOSS = 1e-3  # m of a mesh outside the hull that stands for it
 SHORT = 2.0  # radii of a foot's ball by which shins end before its middle
 _PLAIN = ("link", "joint", "kind", "size", "rotation", "centre")  # arrays of the cache, with others
-_METHOD = "shapes 6"  # a new one makes cached shapes old
+_METHOD = "shapes 7"  # a new one makes cached shapes old
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,14 +181,8 @@ def _shape(given: PlacedSolid, *, foot: bool) -> Shape:
 
 def _outermost(mesh: PlacedSolid) -> Array:
     """Few of a mesh's points, whose hull leaves none of the others out by more than `_LOSS`."""
-    points = mesh.vertices
-    try:
-        corners = points[ConvexHull(points, qhull_options="QJ").vertices]
-    except (QhullError, ValueError) as error:
-        raise RobotFileError(
-            f'{mesh.solid.file}: the hull of this mesh of link "{mesh.link}" cannot be found; '
-            "expected a mesh with corners in more than one place"
-        ) from error
+    points = mesh.hull_vertices()
+    corners = points[ConvexHull(points, qhull_options="QJ").vertices]
     ends = np.concatenate([np.eye(3), -np.eye(3), 2 * CORNERS - 1])
     kept = np.unique((corners @ ends.T).argmax(axis=0))
     while True:

@@ -12,8 +12,9 @@ import numpy as np
 import pinocchio as pin
 
 from llsrbm.arrays import Array
+from llsrbm.errors import RobotFileError
 from llsrbm.mechanics import CORNERS
-from llsrbm.robots.description import Description, Solid
+from llsrbm.robots.description import FARTHEST, Description, Solid
 from llsrbm.robots.mesh_files import read_meshes
 from llsrbm.robots.urdf import frame_id
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     import trimesh
 
 _ROUND = 32  # faces around a cylinder that is drawn
+_FLAT = 1e-5  # of its length, the thickness from which on a mesh has a hull
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +49,35 @@ class PlacedSolid:
         """(n, 3) m: of a mesh, each place once, as its faces come; in the solid's frame. Raises
         `RobotFileError`: the mesh cannot be read.
         """
-        meshes = read_meshes(self.solid.file)
-        every = np.concatenate([mesh.vertices[mesh.faces.ravel()] for mesh in meshes])
+        every = np.concatenate([mesh.vertices[mesh.faces.ravel()] for mesh in self._read()])
         first = np.unique(every, axis=0, return_index=True)[1]
         return every[np.sort(first)] * self.solid.size
+
+    def hull_vertices(self) -> Array:
+        """(n, 3) m: of a mesh that has a hull. Raises `RobotFileError`: it is flat, or cannot be
+        read.
+        """
+        points = self.vertices
+        along = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
+        lengths = np.ptp(points @ along.T, axis=0)
+        if len(points) < 4 or lengths.min() <= _FLAT * lengths.max():
+            raise RobotFileError(
+                f'{self.solid.file}: this mesh of link "{self.link}" is flat and has no hull; '
+                "expected one that fills some space"
+            )
+        return points
+
+    def _read(self) -> tuple[trimesh.Trimesh, ...]:
+        """Its meshes as their file has them, in a size that a robot has."""
+        meshes = read_meshes(self.solid.file)
+        farthest = max(float(np.abs(mesh.vertices * self.solid.size).max()) for mesh in meshes)
+        if farthest > FARTHEST:
+            raise RobotFileError(
+                f'{self.solid.file}: this mesh of link "{self.link}" has a corner {farthest:.3g} m '
+                f"from its origin; expected m, up to {FARTHEST:g}, or "
+                'scale="0.001 0.001 0.001" of a mesh in mm'
+            )
+        return meshes
 
     @property
     def half_lengths(self) -> Array:
@@ -91,7 +118,7 @@ class PlacedSolid:
                 drawn = [capsule]
             case "mesh":
                 scale[:3, :3] = np.diag(size)
-                drawn = [mesh.copy() for mesh in read_meshes(self.solid.file)]
+                drawn = [mesh.copy() for mesh in self._read()]
         for mesh in drawn:
             mesh.apply_transform(place @ scale)
             yield mesh
@@ -113,7 +140,7 @@ def placed_solids(
 def coal_shape(solid: PlacedSolid) -> coal.ShapeBase:
     """The same by coal; of a mesh its convex hull."""
     if solid.solid.kind == "mesh":
-        return convex_hull(solid.vertices)
+        return convex_hull(solid.hull_vertices())
     a, *rest = solid.solid.size
     match solid.solid.kind:
         case "box":

@@ -7,15 +7,19 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from llsrbm.errors import RobotFileError
+from llsrbm.errors import RobotFileError, printable
 from llsrbm.request.messages import choices
+from llsrbm.request.tables import LARGEST
 from llsrbm.robots.description import Description, installed_shares
+from llsrbm.robots.description.changes import STOP
+from llsrbm.robots.description.mesh_paths import LONGEST_PATH, is_there
 from llsrbm.robots.drives.table import Motor
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import RobotFile
 
 BASE_JOINT = 1  # Pinocchio's index of the free flyer; 0 is the universe.
 ROUNDED = 1e-9  # of a flat body's largest moment, by which rounded ones exceed their sum
+_LEAST_LIMIT = 1e-6  # Nm, N, rad/s or m/s: a joint of less does not move
 _LIGHTEST, _SLIMMEST = 1e-12, 1e-15  # kg and kg m2 of what can be simulated
 
 
@@ -24,16 +28,19 @@ def find_urdf(file: RobotFile, path: Path) -> Path:
     source = file.urdf
     if source.file is not None:
         urdf = path.parent / source.file
-        if not urdf.is_file():
-            raise RobotFileError(f"{path}: urdf.file: no such file: {urdf}")
+        if not is_there(urdf):
+            raise RobotFileError(
+                f"{path}: urdf.file: no such file: {printable(str(urdf), LONGEST_PATH)}"
+            )
         return urdf
     package, inner = source.installed()
     robots = package_share(package, path) / package / "robots"
     urdf = robots / inner
-    if not urdf.is_file():
+    if not is_there(urdf):
         present = sorted(p.relative_to(robots).as_posix() for p in robots.rglob("*.urdf"))
         raise RobotFileError(
-            f'{path}: urdf.path: package {package} has no "{inner}"; {choices(inner, present)}'
+            f'{path}: urdf.path: package {package} has no "{printable(inner, LONGEST_PATH)}"; '
+            f"{choices(inner, present)}"
         )
     return urdf
 
@@ -81,6 +88,12 @@ def check_moving(robot: Description, model: pin.Model, where: str) -> None:
                 f'{of_joint} has {given}; expected <limit lower="..." upper="...">, '
                 'type="continuous", or it held in [urdf.held]'
             )
+        lower, upper = (0.0, 0.0) if limit is None else (limit.lower, limit.upper)
+        if joint.kind != "continuous" and max(-lower, upper) > LARGEST:
+            raise RobotFileError(
+                f"{of_joint} has lower = {lower:g} and upper = {upper:g} {joint.unit}; expected "
+                f'numbers up to {LARGEST:g} either way, or type="continuous"'
+            )
     for body in range(BASE_JOINT, model.njoints):
         fault = _impossible(model.inertias[body])
         if fault:
@@ -100,11 +113,31 @@ def check_limits(robot: Robot, where: str) -> None:
         ("velocity", "joint_speed", robot.speed_limit),
     ):
         for name, value in zip(robot.joint_names, values, strict=True):
-            if not value > 0:
-                other = f"limits.{key} in the robot file" if name in legs else "the joint held"
+            if _LEAST_LIMIT <= value <= LARGEST:
+                continue
+            if name in legs and getattr(robot.file.limits, key) is not None:
                 raise RobotFileError(
-                    f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0, '
-                    f"or {other}"
+                    f"{robot.path}: limits.{key}: expected {_LEAST_LIMIT:g} to {LARGEST:g}, got "
+                    f"{value:g} for {name}"
+                )
+            other = f"limits.{key} in the robot file" if name in legs else "the joint held"
+            raise RobotFileError(
+                f'{where}: joint "{name}": <limit {limit}="{value:g}">: expected more than 0 '
+                f"and at most {LARGEST:g}, or {other}"
+            )
+
+
+def check_posture(robot: Robot) -> None:
+    """Raise `RobotFileError` unless the default posture is within the URDF's stops."""
+    lower, upper = robot.joint_stops
+    for limb in (*robot.legs, *robot.arms):
+        for joint in limb.joints:
+            k = robot.joint_names.index(joint)
+            angle, unit = robot.posture[7 + k], "m" if joint in robot.sliding_joints else "rad"
+            if not lower[k] - STOP <= angle <= upper[k] + STOP:
+                raise RobotFileError(
+                    f"{robot.path}: posture.{limb.name}: expected {lower[k]:g} to {upper[k]:g} "
+                    f"{unit} for {joint}, as the URDF limits it, got {angle:g}"
                 )
 
 
@@ -137,6 +170,14 @@ def check_drives(robot: Robot) -> None:
                     f"{robot.path}: drives.electrical.{name}: is of the legs' joints; expected one "
                     "number, or drives.electrical.arms beside it"
                 )
+    for name, friction, torque in zip(
+        robot.joint_names, robot.friction, robot.rated_torque, strict=True
+    ):
+        if friction >= torque:
+            raise RobotFileError(
+                f"{robot.path}: drives.friction: expected less than the torque of {name}, "
+                f"{torque:g}, got {friction:g}"
+            )
     for joint in drives.joints:
         if joint not in robot.joint_names:
             raise RobotFileError(

@@ -13,7 +13,13 @@ from llsrbm.errors import FileFormatError
 from llsrbm.files.npz import Arrays, checked, open_archive, read_archive
 from llsrbm.files.quantity import POSITION, TIME, VELOCITY, Quantity
 from llsrbm.formats.base import ORDERS
-from llsrbm.formats.foreign import MOST_FRAMES, checked_motion, checked_rate, joint_columns
+from llsrbm.formats.foreign import (
+    MOST_FRAMES,
+    checked_motion,
+    checked_rate,
+    joint_columns,
+    one_rate,
+)
 from llsrbm.motion.bodies import body_order
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.robots import Robot
@@ -32,7 +38,6 @@ _MOST_NAMES = 1000
 _FREE = 0  # MuJoCo's number of a free joint's type
 _ROOT = 7  # numbers of the root in qpos
 _EVEN = 1e-3  # of a step: frames that are that even have a rate
-_SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
 
 
 def recognises(path: Path) -> bool:
@@ -149,9 +154,4 @@ def _times(arrays: Arrays, time: Array | None, given: float | None, where: str) 
         rates.append(checked_rate(1 / mean, f'{where}: key "time"'))
     if not rates:
         raise FileFormatError(f"{where}: it does not say its rate; expected {_RATE}")
-    for other in rates:
-        if abs(other - rates[0]) > _SAME_RATE * rates[0]:
-            raise FileFormatError(
-                f"{where}: {rates[0]:g} frames/s by one account, {other:g} by another; expected one"
-            )
-    return rates[0]
+    return one_rate(rates, where)

@@ -25,7 +25,9 @@ from llsrbm.robots.description.parts import (
 from llsrbm.robots.schema import AddedFrame, UrdfSource
 
 _DIGITS = 12  # after the point, so that machines agree on the text and thus on its hash
-_STOP = 1e-4  # rad or m by which an angle may exceed a limit: both are rounded in files
+
+STOP = 1e-4
+"""rad or m by which an angle may exceed a limit: both are rounded in files."""
 
 
 def changed(
@@ -90,7 +92,7 @@ def _check_angle(
         )
     joint, angle = joints[name], held[name]
     limit = joint.limit
-    within = limit is None or limit.lower - _STOP <= angle <= limit.upper + _STOP
+    within = limit is None or limit.lower - STOP <= angle <= limit.upper + STOP
     if limit is not None and joint.kind != "continuous" and not within:
         raise RobotFileError(
             f"{path}: urdf.held.{name}: expected {limit.lower:g} to {limit.upper:g} "
@@ -105,7 +107,7 @@ def _check_angle(
             "held, or neither"
         )
     wanted = mimic.multiplier * held[mimic.joint] + mimic.offset
-    if abs(wanted - angle) > _STOP:
+    if abs(wanted - angle) > STOP:
         raise RobotFileError(
             f"{path}: urdf.held.{name}: it mimics {mimic.joint}; expected {wanted:g} {joint.unit} "
             f"for {held[mimic.joint]:g}, got {angle:g}"

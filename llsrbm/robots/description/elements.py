@@ -15,9 +15,18 @@ from dataclasses import dataclass
 
 from llsrbm.errors import RobotFileError, printable
 from llsrbm.request.messages import choices
+from llsrbm.request.tables import LARGEST
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+FARTHEST = 100.0
+"""Of lengths and of places seen from their parent, m: parts that are farther are in mm."""
+
+_SMALLEST = 1e-6  # m: no length that a robot has is shorter
 _ALMOST = 0.8  # likeness of names from which on one is taken for the other, misspelt
+_WITH_A_PLACE = {
+    *("robot", "link", "joint", "inertial", "visual", "collision", "geometry", "mass", "inertia"),
+    *("parent", "child", "axis", "limit", "mimic"),
+}
 _XACRO = re.compile(r"\$\{|\$\(")
 
 
@@ -49,11 +58,14 @@ class Part:
                 )
 
     def children(self, known: Iterable[str]) -> None:
-        """Refuse elements inside it that are almost called like a `known` one."""
+        """Refuse elements inside it that are almost called like a `known` one, or that have a
+        meaning elsewhere in a URDF: readers would leave them out.
+        """
         for tag in (str(child.tag) for child in self.element):
             close = difflib.get_close_matches(tag.lower(), known, 1, _ALMOST)
-            if tag not in known and close:
-                raise self.fault(f"<{printable(tag)}> has no meaning; {choices(tag, known)}")
+            if tag not in known and (close or tag in _WITH_A_PLACE):
+                where = "" if close else f" in <{self.tag}>"
+                raise self.fault(f"<{printable(tag)}> has no meaning{where}; {choices(tag, known)}")
 
     def one(self, tag: str) -> Part | None:
         """The element of that name inside it; None: it has none. Two are refused."""
@@ -74,12 +86,23 @@ class Part:
         value = self.element.get(key)
         if not value:
             raise self.fault(f'<{self.tag}> has no {key}; expected {key}="..."')
+        if not value.isprintable():
+            raise self.fault(
+                f'<{self.tag} {key}="{printable(value)}"> has control codes or ends of lines; '
+                "expected letters that can be printed"
+            )
         return plain(value, self)
 
     def numbers(
-        self, key: str, count: int, default: tuple[float, ...] | None = None
+        self,
+        key: str,
+        count: int,
+        default: tuple[float, ...] | None = None,
+        largest: float = LARGEST,
     ) -> list[float]:
-        """So many numbers of an attribute; without `default` it must be there."""
+        """So many numbers of an attribute, none beyond `largest` either way; without `default` it
+        must be there.
+        """
         value = self.element.get(key)
         if value is None and default is not None:
             return list(default)
@@ -91,13 +114,14 @@ class Part:
         if len(texts) != count or not all(map(_NUMBER.fullmatch, texts)):
             raise self.fault(f'{given}: expected {what}, such as "{" ".join(["0.1"] * count)}"')
         found = [float(text) for text in texts]
-        if not all(map(math.isfinite, found)):
-            raise self.fault(f"{given}: expected {what} that a computer can hold")
+        if not all(abs(number) <= largest and math.isfinite(number) for number in found):
+            bound = f"up to {largest:g} either way" if largest < math.inf else "that can be held"
+            raise self.fault(f"{given}: expected {what} in SI units, {bound}")
         return found
 
-    def number(self, key: str, default: float | None = None) -> float:
+    def number(self, key: str, default: float | None = None, largest: float = LARGEST) -> float:
         """One number."""
-        (found,) = self.numbers(key, 1, None if default is None else (default,))
+        (found,) = self.numbers(key, 1, None if default is None else (default,), largest)
         return found
 
     def not_negative(self, **numbers: float) -> None:
@@ -108,10 +132,10 @@ class Part:
 
     def positive(self, key: str, count: int) -> tuple[float, ...]:
         """Lengths."""
-        found = self.numbers(key, count)
-        if min(found) <= 0:
+        found = self.numbers(key, count, largest=FARTHEST)
+        if min(found) < _SMALLEST:
             shown = f'<{self.tag} {key}="{printable(self.element.get(key, ""))}">'
-            raise self.fault(f"{shown}: expected more than 0 m")
+            raise self.fault(f"{shown}: expected more than 0 m, {_SMALLEST:g} m at least")
         return tuple(found)
 
 

@@ -17,8 +17,11 @@ from urllib.parse import unquote
 
 from llsrbm.errors import RobotFileError, printable
 
+LONGEST_PATH = 300
+"""Characters of a path in a message."""
+
 # Of meshes that can be read.
-_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".glb", ".gltf", ".ply", ".off", ".3mf"})
+_SUFFIXES = frozenset({".stl", ".dae", ".obj", ".glb", ".gltf", ".ply", ".off"})
 _PACKAGE = re.compile(r"<name>\s*([^<\s]+)\s*</name>")
 
 
@@ -44,7 +47,7 @@ class MeshPaths:
         tried = list(self._candidates(scheme, rest))
         if scheme and "%" in rest:
             tried += self._candidates(scheme, unquote(rest))
-        found = next((path for path in tried if "\0" not in str(path) and path.is_file()), None)
+        found = next((path for path in tried if is_there(path)), None)
         if found is None:
             package, expected = rest.partition("/")[0], f"it at {self._folder / rest}"
             if scheme in ("package", "model"):
@@ -84,6 +87,14 @@ def _package_folders(package: str, folder: Path) -> Iterator[Path]:
             yield place
         if (place / package).is_dir():
             yield place / package
+
+
+def is_there(path: Path) -> bool:
+    """Whether there is such a file; none has a name that the system cannot have."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def installed_shares() -> list[Path]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
 from llsrbm.errors import printable
-from llsrbm.robots.description.elements import Part
+from llsrbm.robots.description.elements import FARTHEST, Part
 from llsrbm.robots.description.mesh_paths import MeshPaths
 from llsrbm.robots.description.parts import (
     ZERO,
@@ -34,6 +35,7 @@ _OF_INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _GEOMETRIES = ("box", "sphere", "cylinder", "capsule", "mesh")
 _ROUNDED = 1e-12  # kg m2 below zero that a program's rounding makes of it
 _NEGLIGIBLE = 1e-5  # kg m2 of links without mass, which some files have
+_LEAST_SCALE = 1e-9  # of a mesh: its file is in nm
 _SMALLEST_AXIS = 1e-6  # length from which on an axis has a direction
 
 Colour = tuple[float, ...]
@@ -119,7 +121,7 @@ def _origin(part: Part) -> Origin:
     if origin is None:
         return Origin()
     origin.check(("xyz", "rpy"), strict=True)
-    x, y, z = origin.numbers("xyz", 3, ZERO)
+    x, y, z = origin.numbers("xyz", 3, ZERO, FARTHEST)
     roll, pitch, yaw = origin.numbers("rpy", 3, ZERO)
     return Origin((x, y, z), (roll, pitch, yaw))
 
@@ -147,9 +149,12 @@ def _solid(part: Part, colours: dict[str, Colour | None], paths: MeshPaths) -> S
     shape.check(("filename", "scale"))
     name = shape.text("filename")
     size = tuple(shape.numbers("scale", 3, (1.0, 1.0, 1.0)))
-    if 0.0 in size:
+    if min(map(abs, size)) < _LEAST_SCALE:
         scale = printable(shape.element.get("scale", ""))
-        raise shape.fault(f'<mesh scale="{scale}">: expected three numbers that are not zero')
+        raise shape.fault(
+            f'<mesh scale="{scale}">: expected three numbers that are not zero, '
+            f"{_LEAST_SCALE:g} at least"
+        )
     return Solid(kind, _origin(part), size, name, paths.find(name, part.where), colour)
 
 
@@ -229,7 +234,9 @@ def _limit(part: Part) -> Limit | None:
     if limit is None:
         return None
     limit.check(("lower", "upper", "effort", "velocity"))
-    found = Limit(*(limit.number(key, 0.0) for key in ("lower", "upper", "effort", "velocity")))
+    # Some have 1e16 for none; what a joint needs is checked where it is known whether it moves.
+    keys = ("lower", "upper", "effort", "velocity")
+    found = Limit(*(limit.number(key, 0.0, math.inf) for key in keys))
     if found.lower > found.upper:
         raise limit.fault(
             f'<limit lower="{found.lower:g}" upper="{found.upper:g}">: expected lower below upper'

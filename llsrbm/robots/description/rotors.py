@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.errors import printable
+from llsrbm.errors import RobotFileError, printable
 from llsrbm.robots.description.elements import Part
+from llsrbm.robots.description.mesh_paths import is_there
 from llsrbm.robots.description.parts import Description, Inertial, Joint
 from llsrbm.robots.description.source import read_xml
 
@@ -52,20 +53,33 @@ def srdf_rotors(robot: Description) -> tuple[dict[str, float], str]:
     Raises `RobotFileError`: one that has rotors is no SRDF, or has a number that is none.
     """
     folders = robot.file.parent, robot.file.parent.parent / "srdf"
-    files = {file for folder in folders for file in folder.glob("*.srdf")}
+    files = {file for folder in folders for file in folder.glob("*.srdf") if is_there(file)}
     for file in sorted(files, key=lambda file: (file.stem != robot.file.stem, file.name)):
-        if _PARAMETERS.encode() in file.read_bytes() and (found := _parameters(robot, file)):
+        if _has_parameters(file) and (found := _parameters(robot, file)):
             return found, file.name
     return {}, ""
 
 
+def _has_parameters(file: Path) -> bool:
+    """Whether it speaks of rotors: others need not be in order."""
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise RobotFileError(f"{file} cannot be read: {error.strerror}") from error
+    return any(_PARAMETERS.encode(code) in content for code in ("utf-8", "utf-16-le", "utf-16-be"))
+
+
 def _parameters(robot: Description, file: Path) -> dict[str, float]:
-    found = {}
+    found: dict[str, float] = {}
+    named: set[str] = set()
     root = read_xml(file, str(file), "an SRDF")
     for element in root.iterfind(f"{_PARAMETERS}/joint"):
         name = Part(element, f"{file}: {_PARAMETERS}").text("name")
         part = Part(element, f'{file}: {_PARAMETERS}: joint "{printable(name)}"')
         part.check(("name", "mass", "gear_ratio"), strict=True)
+        if name in named:
+            raise part.fault("it is there twice; expected one")
+        named.add(name)
         inertia, gear = part.number("mass"), part.number("gear_ratio")
         part.not_negative(mass=inertia, gear_ratio=gear)
         if name in robot.joints and inertia * gear:

@@ -62,7 +62,7 @@ def _unlike_the_first_leg(anatomy: Anatomy, limit: Array) -> str:
 def table(anatomy: Anatomy, values: dict[str, Any]) -> dict[str, str]:
     """Add [drives] to `values`, after `limits`; key -> where its numbers are from.
 
-    Zeros of `<dynamics>` say nothing, as those of `<limit>`.
+    Zeros of `<dynamics>` say nothing, as those of `<limit>`, nor does what would stop the drives.
     """
     of_srdf, srdf = srdf_rotors(anatomy.source)
     stated: dict[str, tuple[dict[str, float], str]] = {
@@ -83,8 +83,15 @@ def table(anatomy: Anatomy, values: dict[str, Any]) -> dict[str, str]:
         names = [model.names[j] for j in joints]
         for key, (assumed, rule) in _assumed(torque, speed).items():
             numbers, source = stated[key]
-            missing = [name for name in names if name not in numbers]
-            found = [numbers.get(name, other) for name, other in zip(names, assumed, strict=True)]
+            most = {"friction": torque, "damping": torque / speed}.get(key, np.inf + torque)
+            beyond = {
+                name: numbers[name]
+                for name, limit in zip(names, most, strict=True)
+                if numbers.get(name, 0.0) >= limit
+            }
+            meant = {name: number for name, number in numbers.items() if name not in beyond}
+            missing = [name for name in names if name not in meant]
+            found = [meant.get(name, other) for name, other in zip(names, assumed, strict=True)]
             values[f"{limb}.{key}"] = [float(f"{number:.4g}") for number in found]
             if missing:
                 published.discard(key)
@@ -92,6 +99,9 @@ def table(anatomy: Anatomy, values: dict[str, Any]) -> dict[str, str]:
                 source = f"assumed: {rule}"
             elif missing:
                 source += f"; assumed of {', '.join(missing)}: {rule}"
+            if beyond:
+                listed = ", ".join(f"{number:g} for {name}" for name, number in beyond.items())
+                source += f"; the URDF has {listed}, which takes all of the drive's torque"
             sources[f"{limb}.{key}"] = source
             if limb == "drives" and (others := _others(anatomy, numbers)):
                 sources[f"{limb}.{key}"] += f"; as of leg {anatomy.names[0]}, it has {others}"

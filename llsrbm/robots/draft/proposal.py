@@ -332,7 +332,11 @@ def _turning(
         are = "is" if len(missing) == 1 else "are"
         return f"the URDF lacks drives that can be meant, {' and '.join(missing)} {are} guessed"
     no_arms = np.zeros((0, 0))
-    tucked, _ = _posture(anatomy, _NEAREST * length, no_arms)
+    nearest = _NEAREST * length
+    try:
+        tucked, _ = _posture(anatomy, nearest, no_arms)
+    except RobotFileError:
+        return f"stops let no leg fold until its foot is {nearest:.2f} m below its hip, as flips do"
     model, data = anatomy.model, anatomy.model.createData()
     pin.ccrba(model, data, _joined(anatomy, tucked, no_arms), np.zeros(model.nv))
     limits = (np.array(values[key]) for key in ("limits.torque", "limits.joint_speed"))

@@ -63,3 +63,10 @@ def test_half_of_the_requests_have_at_most_two_components(robot):
     ]
     assert min(components[::2]) >= 3
     assert max(components[1::2]) == 2
+
+
+def test_where_no_table_can_be_written_is_told_before_jumps_are_solved(asked, robot, tmp_path):
+    for path in (tmp_path, tmp_path / "none" / "go2.npz"):
+        with pytest.raises(InputError, match="cannot write"):
+            learn(robot, 80, path)
+    assert asked == []

@@ -200,3 +200,37 @@ def test_for_real(tmp_path):
     assert cli.main(["export", str(tmp_path / "plan.npz"), "--format", "csv", "--out", out]) == 0
     table = np.loadtxt(tmp_path / "plan.csv", delimiter=",", skiprows=1)
     assert table[-1, 0] == pytest.approx(plan.duration)
+
+
+@pytest.mark.parametrize(
+    ("out", "said"),
+    [
+        ("nowhere/p.npz", "no such directory"),
+        (".", "it is a directory"),
+        ("x" * 5000, "File name too long"),
+        ("/proc/p.npz", "cannot write /proc/p.npz"),
+    ],
+)
+def test_where_nothing_can_be_written_is_told_before_the_plan_is_made(
+    planner, tmp_path, monkeypatch, capsys, out, said
+):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["plan", "--out", out]) == 2
+    err = capsys.readouterr().err
+    assert said in err
+    assert err.count("\n") == 1
+    assert not planner.requests
+
+
+@pytest.mark.parametrize("option", ["--weight", "--limit"])
+def test_a_name_that_is_given_twice_is_refused(planner, capsys, option):
+    name = "tilt" if option == "--weight" else "friction"
+    assert cli.main(["plan", option, f"{name}=0.3", option, f"{name} = 0.4"]) == 2
+    assert f"{option} {name} = 0.4: {name} is given twice" in capsys.readouterr().err
+
+
+def test_a_path_that_is_too_long_is_one_line_of_bad_input(capsys):
+    assert cli.main(["robot", "new", "x" * 5000]) == 2
+    err = capsys.readouterr().err
+    assert "xxx...: File name too long" in err
+    assert len(err) < 500

@@ -43,6 +43,23 @@ URDF = (
 )
 
 
+def replaced(old, new, count=1):
+    """The URDF with a text in place of another."""
+    assert old in URDF, old
+    return URDF.replace(old, new, count)
+
+
+def added(text):
+    """The URDF with a text at its end."""
+    return URDF.replace("</robot>", f"{text}</robot>")
+
+
+def after(opening, text):
+    """The URDF with a text within the element that begins so."""
+    start = URDF.index(">", URDF.index(opening)) + 1
+    return URDF[:start] + text + URDF[start:]
+
+
 def robot_file(folder: Path, urdf: str | bytes = URDF, held: str = "") -> Path:
     """A robot file for such a URDF, both written to a folder."""
     content = urdf if isinstance(urdf, bytes) else urdf.encode()

@@ -49,6 +49,8 @@ def test_every_way_to_write_a_meshs_path(tmp_path, monkeypatch, name):
     assert found.resolve().name == "a b.stl"
 
 
+CUBE = trimesh.creation.box()
+ASCII = CUBE.export(file_type="stl_ascii").encode()
 COLLADA = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="cm" meter="{unit}"/><up_axis>{up}</up_axis></asset>
@@ -153,7 +155,13 @@ def test_collisions_pictures_and_hulls_have_the_same_mesh(tmp_path, suffix, scal
         ("broken.dae", b"<COLLADA", "cannot be read"),
         ("part.step", b"", "cannot be read; expected a file .*stl"),
         ("nan.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "corners that are no numbers|empty"),
-        ("point.obj", b"v 1 1 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\nf 2 3 4\n", "hull|empty"),
+        ("nan.stl", ASCII.replace(b"0.5", b"nan", 1), "corners that are no numbers"),
+        ("leaf.stl", trimesh.creation.box((1, 1, 0)).export(file_type="stl"), '"trunk" is flat'),
+        ("thin.stl", trimesh.creation.box((1, 1, 1e-9)).export(file_type="stl"), "is flat"),
+        ("mm.stl", trimesh.creation.box((300, 1, 1)).export(file_type="stl"), '"trunk".* 150 m'),
+        ("huge.stl", ASCII.replace(b"0.5", b"1e39", 1), "1e[+]39 m"),
+        ("part.3mf", b"PK", "cannot be read; expected a file .*stl"),
+        ("point.obj", b"v 1 1 1\nv 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\nf 2 3 4\n", "flat|empty"),
         (
             "LFS.stl",
             b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n",

@@ -118,6 +118,7 @@ def test_names_are_listed_and_an_unknown_one_is_refused():
 
 
 WRONG_FOR_THE_URDF = {
+    "limit of nothing": ("torque = 40.0", "torque = 1e-300", ["limits.torque", "1e-06", "LF_HAA"]),
     "no such frame": (
         'foot = "LF_FOOT"',
         'foot = "LF_FOT"',

@@ -52,6 +52,14 @@ MISTAKES = {
     ),
     "word for a number": ("torque = 40.0", 'torque = "40"', ["limits.torque", "number", '"40"']),
     "negative limit": ("torque = 40.0", "torque = -40.0", ["limits.torque", "greater than 0"]),
+    "title of two lines": ('title = "ANYmal B"', 'title = "ANY\\nmal"', ["title", "one line"]),
+    "absurd limit": ("torque = 40.0", "torque = 1e300", ["limits.torque", "1e+06", "1e+300"]),
+    "absurd place": ("upper = [0.22,", "upper = [1e200,", ["reach.upper", "1e+06", "1e+200"]),
+    "absurd angle": (
+        "[legs]",
+        "[urdf.held]\nneck = 1e300\n[legs]",
+        ["urdf.held.neck", "1e+06", "1e+300"],
+    ),
     "not a number": ("torque = 40.0", "torque = nan", ["limits.torque", "finite"]),
     "posture of an unknown leg": (
         "LF = [-0.1,",

@@ -19,7 +19,7 @@ from llsrbm.motion.rollout import Disturbance
 from llsrbm.motion.surroundings import Surroundings
 from llsrbm.robots import build_robot
 from llsrbm.simulation.scene import build_scene
-from tests.llsrbm.robots.strange_urdf import URDF, by_hand, robot_file
+from tests.llsrbm.robots.strange_urdf import URDF, added, by_hand, replaced, robot_file
 
 GROUND = Surroundings(ground=0.0, blocks=())
 
@@ -115,15 +115,6 @@ def test_elements_of_other_programs_are_no_shapes(tmp_path):
     theirs = '<geometry><drake:declare_convex xmlns:drake="http://drake.mit.edu"/>'
     robot = build_robot(robot_file(tmp_path, URDF.replace("<geometry>", theirs)))
     agrees(robot, URDF)
-
-
-def replaced(old, new, count=1):
-    assert old in URDF, old
-    return URDF.replace(old, new, count)
-
-
-def added(text):
-    return URDF.replace("</robot>", f"{text}</robot>")
 
 
 MIMIC = '<mimic joint="{}" multiplier="-2" offset="0.1"/><limit lower="-2.5"'
@@ -261,6 +252,10 @@ REFUSED = {
         )
         for name in ("no.stl", "package://no/a.stl", r"a\b.stl", r"C:\a.stl", "http://a/b.stl")
     },
+    "a mesh with a name without end": (
+        replaced('<sphere radius="0.02"/>', f'<mesh filename="{"x" * 5000}.stl"/>'),
+        ['link "left_foot"', "xxx...", "is missing"],
+    ),
     "entities": (
         URDF.replace("<robot", '<!DOCTYPE r [<!ENTITY a SYSTEM "file:///etc/passwd">]>\n<robot', 1),
         ["document type"],

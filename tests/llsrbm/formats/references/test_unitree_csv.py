@@ -90,6 +90,12 @@ def test_the_rate_is_the_users_where_nothing_stands_beside(copied):
         llsrbm.load_motion(copied, fps=0)
 
 
+def test_a_rate_that_contradicts_the_file_is_refused(copied):
+    assert llsrbm.load_motion(copied, fps=30).fps == 30
+    with pytest.raises(FileFormatError, match="30 frames/s by one account, 50 by another"):
+        llsrbm.load_motion(copied, fps=50)
+
+
 def test_joints_in_another_order(copied):
     told = json.loads(beside(copied).read_text())
     rows = np.loadtxt(copied, delimiter=",")
@@ -109,6 +115,13 @@ def test_joints_in_another_order(copied):
         ('{"fps": NaN}', "expected finite numbers, got NaN"),
         ('{"fps": 30, "joint_order": ["a\\nb"]}', "expected the robot that moves"),
         ('{"fps": 30, "quaternion_order": "wxyz"}', 'expected "xyzw", got "wxyz"'),
+        ('{"fps": 30, "columns": ["x", "y", "z", "qw"]}', 'columns: expected "qx", got "qw"'),
+        ('{"fps": 30, "columns": 3}', r'columns: expected \["x", "y"'),
+        ('{"fps": 30, "column_units": ["cm", "cm", "cm"]}', 'column_units: expected "m", got "cm"'),
+        (
+            json.dumps({"fps": 30, "column_units": [*"mmm1111", *["deg"] * 12]}),
+            'column_units: expected "rad", got "deg"; such tables are not converted',
+        ),
         ("[" * 100000, "nested too deeply"),
     ],
 )
@@ -131,6 +144,8 @@ GOOD = ["0,0,0.5,0,0,0,1" + ",0" * 12] * 4
             r"row 1 has 20 columns; expected 19: 7 of .* anymal, 12 \(",
         ),
         ([GOOD[0], "0,0,x", *GOOD], "row 2: not all of it is numbers"),
+        ([GOOD[0], GOOD[0].replace("0.5", "0_5"), *GOOD], "row 2: not all of it is numbers"),
+        ([GOOD[0], GOOD[0].replace("0.5", "٥"), *GOOD], "row 2: not all of it is numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "nan")], "expected finite numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "1e200")], "expected finite numbers up to 10000"),
         ([GOOD[0], GOOD[0].replace(",1", ",0")], "norm 0 in frame 1"),

@@ -1,5 +1,6 @@
 """Knees over what legs stand on, and legs side by side: by Pinocchio, and by the links' shapes."""
 
+from dataclasses import replace
 from functools import cache
 
 import coal
@@ -116,3 +117,11 @@ def test_legs_side_by_side_do_not_meet_in_flight():
             apart += [knees[0] - knees[1], feet[0] - feet[1]]
     least = 2 * knee_width(robot) + robot.file.limits.legs_apart
     assert least - 5e-3 < min(apart) < least + 5e-3
+
+
+def test_a_leg_in_the_middle_has_none_beside_it_to_keep_from():
+    """A three-legged robot's rear leg: a direction of nothing made it 10 m wide."""
+    robot = load_robot("anymal")
+    three = replace(robot)
+    three.__dict__["hips"] = robot.hips * np.array([[1, 1, 1], [1, 1, 1], [1, 0, 1], [1, 0, 1]])
+    assert 0 < knee_width(three) < 0.2

@@ -98,14 +98,27 @@ def test_an_srdf_of_other_joints_says_nothing(biped, tmp_path):
     [
         ('<joint name="left_roll" mass="nan" gear_ratio="9"/>', '<joint mass="nan">'),
         ('<joint name="left_roll" mass="1e-5"/>', "<joint> has no gear_ratio"),
+        ('<joint name="left_roll" mass="1e-5" gear_ratio="9"/>' * 2, "it is there twice"),
     ],
 )
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_rotors_that_are_none_are_refused_by_joint_and_value(
-    biped, tmp_path, parameters, said, capsys
+    biped, tmp_path, parameters, said, encoding, capsys
 ):
-    (tmp_path / "srdf" / "biped.srdf").write_text(rotors(parameters))
+    (tmp_path / "srdf" / "biped.srdf").write_text(rotors(parameters), encoding)
+    (tmp_path / "srdf" / "another.srdf").mkdir()
     assert main(["robot", "new", str(biped), "--out", str(tmp_path / "biped.toml")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
     assert 'biped.srdf: rotor_params: joint "left_roll": ' in error
     assert said in error
+
+
+def test_friction_that_would_stop_the_drives_is_not_meant(biped, tmp_path):
+    text = biped.read_text().replace('friction="0.3"', 'friction="3e4" damping="2e4"')
+    biped.write_text(text)
+    robot = written(tmp_path / "biped.toml", str(biped)).robot
+    assert (robot.friction < 0.1 * robot.torque_limit).all()
+    assert (robot.damping * robot.speed_limit < 0.1 * robot.torque_limit).all()
+    for key, number in (("friction", "30000"), ("damping", "20000")):
+        assert f"{number} for left_roll, which takes all" in line(robot, key)

@@ -16,7 +16,7 @@ from llsrbm.robots.draft.turning import (
     left_out,
     turning_table,
 )
-from tests.llsrbm.robots.draft.first_files import first_file
+from tests.llsrbm.robots.draft.first_files import first_file, written
 
 
 @pytest.mark.parametrize("name", ["a1", "go1"])
@@ -37,6 +37,17 @@ def test_weak_robots_get_none_and_a_line_that_says_why():
     (line,) = [line for line in found.text.splitlines() if line.startswith("# No [turning]: ")]
     assert "times as much; robots that flip have" in line
     assert line.removeprefix("# No [turning]: ").rstrip(".") in found.said
+
+
+def test_legs_that_do_not_fold_are_no_reason_to_refuse_a_robot(tmp_path):
+    text, stop = load_robot("a1").urdf_path.read_text(), 'lower="-2.6965336943312392"'
+    assert stop in text
+    urdf = tmp_path / "a1.urdf"
+    urdf.write_text(text.replace(stop, 'lower="-1.9"'))
+    found = written(tmp_path / "a1.toml", str(urdf))
+    why = "stops let no leg fold until its foot is 0.16 m below its hip"
+    assert f"# No [turning]: {why}" in found.text
+    assert f"left out turning: {why}" in found.said
 
 
 def test_no_flips_by_drives_that_are_guessed():
