@@ -13,6 +13,7 @@ from llsrbm.certificate import certify
 from llsrbm.cli import main
 from llsrbm.formats import export
 from llsrbm.motion.bodies import urdf_joints
+from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import shipped
 
@@ -110,9 +111,23 @@ def test_joints_in_another_order(clip, tmp_path):
         assert any("are the joints in another order?" in each for each in said)
 
 
-@pytest.mark.parametrize(("fps", "said"), [(0.06, "is its time in ms"), (9000, "rate wrong")])
+@pytest.mark.parametrize(("fps", "said"), [(1.5, "is its time in ms"), (9000, "rate wrong")])
 def test_a_rate_that_is_absurd(clip, tmp_path, fps, said):
     assert said in opened(clip, tmp_path, clip[1], fps).remarks[0]
+
+
+def test_a_time_in_ms_is_refused_as_its_check_would_take_an_hour(tmp_path):
+    states = whole_body_motion(shipped("go2"), FPS)
+    np.savez(tmp_path / "x.npz", qpos=states.qpos, time=1000 * states.time + 1.7e12)
+    with pytest.raises(llsrbm.InputError, match=r"with 0.06 frames per second; .* time in ms"):
+        llsrbm.load_motion(tmp_path / "x.npz", "go2")
+
+
+def test_a_motion_of_half_an_hour_is_refused(tmp_path):
+    states = whole_body_motion(shipped("go2"), FPS).qpos[:1].repeat(2400, axis=0)
+    np.savez(tmp_path / "x.npz", qpos=states, fps=1.2)
+    with pytest.raises(llsrbm.InputError, match=r"lasts 1999 s .* at most 1000 s"):
+        llsrbm.load_motion(tmp_path / "x.npz", "go2")
 
 
 @pytest.mark.parametrize("key", ["joint_vel", "body_lin_vel_w", "body_ang_vel_w"])
