@@ -42,7 +42,10 @@ from llsrbm.text_files import read_text
 
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]
-_WHAT = "rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints [rad, m]"
+_WHAT = (
+    "rows of numbers with commas between them, without a header: root x, y, z [m], quaternion "
+    "x, y, z, w, joints [rad, m]"
+)
 _EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
 _WRISTS = frozenset(
@@ -51,6 +54,8 @@ _WRISTS = frozenset(
 _WAIST = frozenset(("waist_roll_joint", "waist_pitch_joint"))
 # Joints that tables of G1 leave out: its variants with 27 and with 23.
 _VARIANTS = (_WAIST, _WAIST | _WRISTS)
+_ROOT = 7  # columns
+_OTHER_SEPARATORS = {None: "spaces", ";": "semicolons", "\t": "tabs"}  # None: any white space
 _MOST_COLUMNS = 200  # a row of more is not parsed
 
 
@@ -123,7 +128,7 @@ def _rows(path: Path, robot: Robot) -> Array:
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
     rows: list[list[float]] = []
-    widths = sorted(7 + count for count in _orders(robot))
+    widths = sorted(_ROOT + count for count in _orders(robot))
     for number, line in enumerate(lines, start=1):
         columns = line.count(",") + 1
         if columns > _MOST_COLUMNS:
@@ -131,19 +136,36 @@ def _rows(path: Path, robot: Robot) -> Array:
         try:
             row = [float(cell) for cell in line.split(",")]
         except ValueError as error:
-            if number == 1:
-                raise FileFormatError(
-                    f"{path}: begins with a header, or is no table; {_EXPECTED}; a file with a "
-                    "header may have other units (ProtoMotions': cm, degrees, Euler angles)"
-                ) from error
-            raise FileFormatError(
-                f"{path}: row {number}: not all of it is numbers; {_EXPECTED}"
-            ) from error
+            raise FileFormatError(f"{path}: {_no_numbers(line, number)}") from error
         if columns not in widths:
             raise _wrong_width(path, number, columns, widths, robot)
         widths = [columns]
         rows.append(row)
     return np.array(rows, dtype=np.float64).reshape(-1, widths[0])
+
+
+def _no_numbers(line: str, row: int) -> str:
+    """What is wrong with a row that is not all numbers, and what would be accepted."""
+    if line.rstrip().endswith(","):
+        return f"row {row} ends with a comma; {_EXPECTED}"
+    for separator, name in _OTHER_SEPARATORS.items():
+        cells = line.split(separator)
+        if len(cells) > _ROOT and all(map(_is_number, cells)):
+            return f"row {row} has {name} between its numbers; {_EXPECTED}"
+    if row == 1:
+        return (
+            f"begins with a header, or is no table; {_EXPECTED}; a file with a header may have "
+            "other units (ProtoMotions': cm, degrees, Euler angles)"
+        )
+    return f"row {row}: not all of it is numbers; {_EXPECTED}"
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        float(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _wrong_width(
@@ -152,7 +174,11 @@ def _wrong_width(
     orders = _orders(robot)
     counts = sorted(width - 7 for width in widths)
     listed = " or ".join(f"{count} ({_outline(orders[count])})" for count in counts)
-    near = "; Euler angles and exponential maps are not read" if columns + 1 in widths else ""
+    near = ""
+    if columns + 1 in widths:
+        near = "; Euler angles and exponential maps are not read"
+    elif columns - 1 in widths:
+        near = "; a column of the time, or of the frame's number, is not read"
     return FileFormatError(
         f"{path}: row {row} has {columns} columns; expected {' or '.join(map(str, sorted(widths)))}"
         f": 7 of the root and, of robot {robot.name}, {listed} joints{near}"
