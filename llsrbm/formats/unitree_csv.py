@@ -145,7 +145,7 @@ def _rows(path: Path, robot: Robot) -> Array:
 
 
 def _no_numbers(line: str, row: int) -> str:
-    """What is wrong with a row that is not all numbers, and what would be accepted."""
+    """A message on a row that is not all numbers, with what would be accepted."""
     if line.rstrip().endswith(","):
         return f"row {row} ends with a comma; {_EXPECTED}"
     for separator, name in _OTHER_SEPARATORS.items():
