@@ -45,6 +45,8 @@ def staged(path: str | Path) -> Iterator[Path]:
             raise FileNotFoundError(0, f"no such directory as {target.parent}")
         if not target.name:
             raise IsADirectoryError(0, "it is a directory")
+        if not special and target.is_dir() and not _is_ours(target):
+            raise FileExistsError(0, _OTHERS)  # before anybody works for minutes
         with tempfile.TemporaryDirectory(
             prefix=_PREFIX,  # not the target's name, which may be as long as names can be
             suffix=".tmp",
