@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
+from llsrbm import library
 from llsrbm.certificate import certify
 from llsrbm.cli import main
 from llsrbm.formats import export
@@ -148,6 +149,20 @@ def test_w_last_where_w_comes_first(tmp_path):
     np.savez(tmp_path / "x.npz", **arrays)
     first, *_ = llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks
     assert "is w last in its quaternions?" in first
+
+
+@pytest.mark.parametrize("yaw", [0.0, np.pi])
+def test_w_last_of_a_robot_that_hardly_turns(tmp_path, yaw):
+    states = whole_body_motion(library.shipped().open("go2-together-0001", check=False), FPS)
+    heading = Rotation.from_euler("z", yaw)
+    quat = heading * Rotation.from_quat(states.base_quat, scalar_first=True)
+    place = heading.apply(states.base_position)
+    for w_first in (True, False):
+        rows = np.hstack([place, quat.as_quat(scalar_first=w_first), states.joint_position])
+        np.savez(tmp_path / "x.npz", qpos=rows, fps=FPS)
+        remarks = llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks
+        # One that looks backward is upside down then.
+        assert any("is w last in its quaternions?" in each for each in remarks) != w_first
 
 
 def test_commands_print_them(clip, tmp_path, capfd):
