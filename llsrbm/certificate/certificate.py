@@ -76,7 +76,7 @@ def certify(motion: AnyMotion, robot: Robot | None = None) -> Certificate:
         robot: the one that a plan names, with other drives; None: as its file has it.
 
     Raises:
-        InputError: the robot has other joints by now than the motion.
+        InputError: the robot has other joints by now than the motion; it is no motion.
         RobotFileError: the robot is not there.
     """
     sampled = SampledMotion.of(motion, robot)

@@ -19,6 +19,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from llsrbm.arrays import Array, BoolArray
 from llsrbm.body.efforts import inverse_dynamics, of_contacts
+from llsrbm.errors import InputError
 from llsrbm.motion.grounds import foot_normals
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.realised import realised_states
@@ -77,12 +78,19 @@ class SampledMotion:
         """Sample a motion; `robot`: the one that a plan names, with other drives.
 
         Raises:
-            InputError: its robot has other joints by now.
+            InputError: its robot has other joints by now; no motion at all.
             RobotFileError: the robot is not there.
         """
         if isinstance(motion, Plan):
             return _of_plan(motion, robot or robot_of(motion))
-        return _of_rollout(motion) if isinstance(motion, Rollout) else _of_states(motion)
+        if isinstance(motion, Rollout):
+            return _of_rollout(motion)
+        if isinstance(motion, WholeBodyMotion):
+            return _of_states(motion)
+        raise InputError(
+            "motion: expected a Plan, a Rollout or a WholeBodyMotion (`llsrbm.load_motion` opens a "
+            f"file as one), got {type(motion).__name__}"
+        )
 
     def stretches(self) -> Iterator[tuple[int, SampledMotion]]:
         """It in stretches of at most `AT_ONCE` instants, each with the number of its first one.

@@ -115,7 +115,15 @@ def list_command(
 def _opened(folder: Path | None) -> Library:
     from llsrbm.library import Library, shipped
 
-    return shipped() if folder is None else Library(folder)
+    if folder is None:
+        return shipped()
+    library = Library(folder)
+    if not library.files:
+        raise InputError(
+            f"{folder}: no library is there; expected a folder that `llsrbm library build` or "
+            "`llsrbm library add` has made"
+        )
+    return library
 
 
 def _table(cards: Sequence[Card]) -> list[str]:

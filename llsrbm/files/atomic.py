@@ -80,6 +80,8 @@ def _place(target: Path) -> tuple[Path, bool]:
         raise FileNotFoundError(0, f"no such directory as {target.parent}")
     if not target.name:
         raise IsADirectoryError(0, "it is a directory")
+    if not special and target.is_dir() and not _is_ours(target):
+        raise FileExistsError(0, _OTHERS)  # before anybody works for minutes
     return target, special
 
 

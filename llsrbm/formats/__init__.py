@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.errors import FileFormatError, InputError
+from llsrbm.errors import FileFormatError, InputError, printable
 from llsrbm.files.atomic import staged
 from llsrbm.files.npz import keys
 from llsrbm.formats import plausibility
@@ -43,6 +43,11 @@ __all__ += ["check_motion_format", "export_many", "remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
 _PICKLES = (".pkl", ".pickle", ".p")
+_KEYS_NAMED = 12  # keys of an archive that a message names
+_ANY_MOTION = (
+    "; of any tool's motion an npz can be made, with qpos (K, 7 + joints: position, quaternion "
+    "w x y z, joints), fps and joint_names"
+)
 
 
 FORMATS: dict[str, Format]  # by their names
@@ -175,13 +180,18 @@ def _recognised(path: Path) -> Format:
     for each in readable():
         if each.recognises(path):
             return each
+    raise FileFormatError(f"{path}: {_is_none(path)}; expected {_openable()}{_ANY_MOTION}")
+
+
+def _is_none(path: Path) -> str:
+    """Why a file is none that can be opened, for a message."""
     if path.suffix.lower() in _PICKLES:
-        raise FileFormatError(
-            f"{path}: a pickle can run anything as it is opened, so none is; expected {_openable()}"
-        )
-    raise FileFormatError(
-        f"{path}: damaged, or not a file that can be opened; expected {_openable()}"
-    )
+        return "a pickle can run anything as it is opened, so none is"
+    if held := sorted(keys(path)):
+        more = f" and {len(held) - _KEYS_NAMED} more" if len(held) > _KEYS_NAMED else ""
+        listed = printable(", ".join(held[:_KEYS_NAMED]), 200)
+        return f"not a file that can be opened, as it has the keys {listed}{more}"
+    return "damaged, or not a file that can be opened"
 
 
 def _openable() -> str:

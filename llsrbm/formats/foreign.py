@@ -15,6 +15,9 @@ from llsrbm.motion.whole_body import WholeBodyMotion, motion_of_states, velociti
 from llsrbm.robots import Robot
 
 MOST_FRAMES = 50_000  # a quarter of an hour at 50 frames/s; a jump has a hundred or two
+# What is checked at 1 kHz takes longer than anybody waits for if its time is in ms.
+_LONGEST = 1000.0  # s, as `MOST_FRAMES` last at 50 frames/s
+_SLOWEST = 1.0  # frames/s; between frames that are further apart nothing of a jump is known
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
 _HELD = 0.01  # rad or m by which a held joint may be elsewhere without a remark
 _SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
@@ -105,12 +108,15 @@ def checked_motion(
         remarks: on the file, before those on its numbers; w_first: the order of its quaternions.
 
     Raises:
-        FileFormatError: fewer than two frames or too many, numbers that are not finite or are
-            absurd, attitudes that are none.
+        FileFormatError: fewer than two frames or too many, a motion that lasts too long, numbers
+            that are not finite or are absurd, attitudes that are none.
     """
     count = len(qpos)
     if not 2 <= count <= MOST_FRAMES:
         raise FileFormatError(f"{where}: expected 2 to {MOST_FRAMES} frames, got {count}")
+    rate = None if isinstance(time, np.ndarray) else float(time)
+    times = time if isinstance(time, np.ndarray) else np.arange(count) / time
+    _check_lasts(times, where)
     for values in (qpos,) if qvel is None else (qpos, qvel):
         bad = ~(np.abs(values) <= _LARGEST)  # NaN is not
         if bad.any():
@@ -129,9 +135,19 @@ def checked_motion(
         )
     raw = qpos
     qpos = np.hstack([qpos[:, :3], qpos[:, 3:7] / norm[:, None], qpos[:, 7:]])
-    rate = None if isinstance(time, np.ndarray) else float(time)
-    times = time if isinstance(time, np.ndarray) else np.arange(count) / time
     found = (*remarks, *plausibility.remarks(robot, times, raw, qvel, w_first))
     if qvel is None:
         qvel = velocities(times, qpos)
     return replace(motion_of_states(robot, origin, times, qpos, qvel, rate), remarks=found)
+
+
+def _check_lasts(time: Array, where: str) -> None:
+    """Raise `FileFormatError` of a motion that lasts longer than any that is meant."""
+    lasts = float(time[-1] - time[0])
+    rate = (len(time) - 1) / lasts
+    if lasts > _LONGEST or rate < _SLOWEST:
+        raise FileFormatError(
+            f"{where}: lasts {lasts:.4g} s with {rate:.3g} frames per second; expected at most "
+            f"{_LONGEST:g} s and at least {_SLOWEST:g} frame per second: is its time in ms, or its "
+            "rate wrong?"
+        )

@@ -49,7 +49,10 @@ from llsrbm.text_files import read_text
 _XYZW = [1, 2, 3, 0]
 _WXYZ = [3, 0, 1, 2]
 _ROOT, _ROOT_UNITS = ("x", "y", "z", "qx", "qy", "qz", "qw"), "mmm1111"
-_WHAT = "rows of numbers without a header: root x, y, z [m], quaternion x, y, z, w, joints [rad, m]"
+_WHAT = (
+    "rows of numbers with commas between them, without a header: root x, y, z [m], quaternion "
+    "x, y, z, w, joints [rad, m]"
+)
 _EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
 _WRISTS = frozenset(
@@ -58,6 +61,7 @@ _WRISTS = frozenset(
 _WAIST = frozenset(("waist_roll_joint", "waist_pitch_joint"))
 # Joints that tables of G1 leave out: its variants with 27 and with 23.
 _VARIANTS = (_WAIST, _WAIST | _WRISTS)
+_OTHER_SEPARATORS = {None: "spaces", ";": "semicolons", "\t": "tabs"}  # None: any white space
 _MOST_COLUMNS = 200  # a row of more is not parsed
 
 
@@ -155,7 +159,7 @@ def _rows(path: Path, robot: Robot) -> Array:
     if len(lines) > MOST_FRAMES:
         raise FileFormatError(f"{path}: {len(lines)} rows; at most {MOST_FRAMES} are read")
     rows: list[list[float]] = []
-    widths = sorted(7 + count for count in _orders(robot))
+    widths = sorted(len(_ROOT) + count for count in _orders(robot))
     for number, line in enumerate(lines, start=1):
         columns = line.count(",") + 1
         if columns > _MOST_COLUMNS:
@@ -163,14 +167,7 @@ def _rows(path: Path, robot: Robot) -> Array:
         try:
             row = [_number(cell) for cell in line.split(",")]
         except ValueError as error:
-            if number == 1:
-                raise FileFormatError(
-                    f"{path}: begins with a header, or is no table; {_EXPECTED}; a file with a "
-                    "header may have other units (ProtoMotions': cm, degrees, Euler angles)"
-                ) from error
-            raise FileFormatError(
-                f"{path}: row {number}: not all of it is numbers; {_EXPECTED}"
-            ) from error
+            raise FileFormatError(f"{path}: {_no_numbers(line, number)}") from error
         if columns not in widths:
             raise _wrong_width(path, number, columns, widths, robot)
         widths = [columns]
@@ -185,13 +182,41 @@ def _number(cell: str) -> float:
     return float(cell)
 
 
+def _no_numbers(line: str, row: int) -> str:
+    """A message on a row that is not all numbers, with what would be accepted."""
+    if line.rstrip().endswith(","):
+        return f"row {row} ends with a comma; {_EXPECTED}"
+    for separator, name in _OTHER_SEPARATORS.items():
+        cells = line.split(separator)
+        if len(cells) > len(_ROOT) and all(map(_is_number, cells)):
+            return f"row {row} has {name} between its numbers; {_EXPECTED}"
+    if row == 1:
+        return (
+            f"begins with a header, or is no table; {_EXPECTED}; a file with a header may have "
+            "other units (ProtoMotions': cm, degrees, Euler angles)"
+        )
+    return f"row {row}: not all of it is numbers; {_EXPECTED}"
+
+
+def _is_number(cell: str) -> bool:
+    try:
+        _number(cell)
+    except ValueError:
+        return False
+    return True
+
+
 def _wrong_width(
     path: Path, row: int, columns: int, widths: list[int], robot: Robot
 ) -> FileFormatError:
     orders = _orders(robot)
     counts = sorted(width - 7 for width in widths)
     listed = " or ".join(f"{count} ({_outline(orders[count])})" for count in counts)
-    near = "; Euler angles and exponential maps are not read" if columns + 1 in widths else ""
+    near = ""
+    if columns + 1 in widths:
+        near = "; Euler angles and exponential maps are not read"
+    elif columns - 1 in widths:
+        near = "; a column of the time, or of the frame's number, is not read"
     return FileFormatError(
         f"{path}: row {row} has {columns} columns; expected {' or '.join(map(str, sorted(widths)))}"
         f": 7 of the root and, of robot {robot.name}, {listed} joints{near}"

@@ -21,6 +21,8 @@ from llsrbm.request.tuning import Tuning
 
 PIROUETTE = math.radians(120)  # rad of a turn from which on a motion is called one ...
 _ON_THE_SPOT = 0.08  # m: ... where it leads no further than that
+KINDS = ("back-flip", "front-flip", "barrel-roll", "route", "pirouette")
+"""Kinds of motions beside those that are called as their jump type."""
 _NAME = r"^[a-z0-9_]+(-[a-z0-9_]+)*-\d{4,}$"
 
 Count = Annotated[int, Field(ge=0, le=10**6)]

@@ -7,7 +7,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from llsrbm.errors import InputError
-from llsrbm.library.card import Card
+from llsrbm.library.card import KINDS, Card
+from llsrbm.request.jump_types import names
+from llsrbm.request.messages import look_up
+from llsrbm.robots.schema import robot_files
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class Filters:
         min_flight: s in the air, all flights together; max_power: W that the drives give at most.
 
     Raises:
-        InputError: a number that is not finite.
+        InputError: a number that is not finite, a least figure beyond the largest.
     """
 
     robot: str | None = None
@@ -37,6 +40,11 @@ class Filters:
         for name, value in vars(self).items():
             if isinstance(value, float) and not math.isfinite(value):
                 raise InputError(f"{name}: expected a finite number, got {value}")
+        low, high = self.min_distance, self.max_distance
+        if low is not None and high is not None and low > high:
+            raise InputError(
+                f"min_distance {low:g} is beyond max_distance {high:g}; expected the least first"
+            )
 
     def fit(self, card: Card) -> bool:
         """Whether a motion is one of those that are looked for."""
@@ -62,8 +70,17 @@ def found(
     """The motions that all words are part of, in the order of their names.
 
     A word is looked for in name, robot, kind and type: "back flip" finds `go2-back-flip-0001`.
+
+    Raises:
+        InputError: filters with a robot or a kind that there is not.
     """
-    filters = filters or Filters()
+    filters, cards = filters or Filters(), list(cards)
+    for what, given, own in (
+        ("robot", filters.robot, [*robot_files(), *(card.robot for card in cards)]),
+        ("kind", filters.kind, [*KINDS, *names(), *(card.kind for card in cards)]),
+    ):
+        if given is not None:
+            look_up(what, given, dict.fromkeys(own))
     wanted = [word.lower() for text in words for word in text.split()]
     kept = (card for card in cards if filters.fit(card) and _has(card, wanted))
     return sorted(kept, key=lambda card: card.name)

@@ -18,6 +18,7 @@ from llsrbm.repairing.joining import joined
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import contact_phases
 from llsrbm.repairing.repair import RATE, certified_plan, opened, repaired_part, sentence
+from llsrbm.repairing.repeated import without_repeated
 from llsrbm.repairing.request import Request
 from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, ClipRepair, Repair
 
@@ -63,12 +64,13 @@ def repair_clip(
         raise InputError(
             "the clip's frames are not evenly spaced; expected one rate from its start to its end"
         )
-    own = contact_phases(clip) if phases is None else given_phases(phases, clip)
+    states = without_repeated(clip)
+    own = contact_phases(states) if phases is None else given_phases(phases, clip)
     if isinstance(given, Plan) and given.certified and phases is None:
         alone = (certified_plan(given, before),)
         return ClipRepair(UNCHANGED, before, before, clip, alone, phases=own)
     try:
-        found = parts(clip, own)
+        found = parts(states, own)
     except NoJump as error:
         return ClipRepair(FAILED, before, phases=own, why=sentence(error))
     jumps = [repaired_part(part, before, watch) for part in found]

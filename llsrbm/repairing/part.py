@@ -96,6 +96,8 @@ def parts(motion: WholeBodyMotion, phases: tuple[ContactPhase, ...]) -> list[Par
     Raises:
         NoJump: there is none that begins and ends on all feet.
     """
+    if not any(phase.feet for phase in phases):
+        raise NoJump("no foot stays in its place anywhere for as long as feet that stand do")
     legs = len(motion.robot.legs)
     stood = [k for k, phase in enumerate(phases) if len(phase.feet) == legs]
     if not any(not phase.feet for phase in phases):

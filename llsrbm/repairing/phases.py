@@ -26,6 +26,7 @@ STILL = 0.006  # m, standard deviation of its places over that time
 OFF = 0.006
 SAME = 0.03  # m that a foot slips where it stands
 NOISE = 2.0  # standard deviations of what each frame is off by that count as being off
+NOISIEST = 0.03  # m by which each frame is off, at most, of a foot that may be seen to stand
 OFF_FALL = 0.001  # m by which a CoM is off the parabola of a flight that has ended
 INSIDE = 0.15  # of a flight at each end, which that parabola is not fitted to
 APART = 0.08  # s, at most, by which feet and CoM count as apart
@@ -201,7 +202,8 @@ def noise(values: Array) -> float:
 
 def _still(time: Array, place: Array) -> list[tuple[int, int]]:
     """[first, end) of frames among which a foot hardly moves for `STILL_FOR`."""
-    spread = np.sqrt(STILL**2 + np.array([noise(axis) for axis in place.T]) ** 2)
+    off = np.minimum([noise(axis) for axis in place.T], NOISIEST)
+    spread = np.sqrt(STILL**2 + off**2)
     still = np.zeros(len(time), dtype=np.bool_)
     for k in range(len(time)):
         end = _last_within(time, k) + 1

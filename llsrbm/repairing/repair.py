@@ -14,11 +14,13 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
 from llsrbm.planning.solve.watch import Progress, Watch
+from llsrbm.repairing.believable import check_amounts, check_states
 from llsrbm.repairing.given_phases import Given, given_phases
 from llsrbm.repairing.moved import moved
 from llsrbm.repairing.nearest import nearest
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import ContactPhase, contact_phases
+from llsrbm.repairing.repeated import without_repeated
 from llsrbm.repairing.request import Request, request_of
 from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair
 
@@ -66,6 +68,7 @@ def repair(
     if isinstance(given, Plan) and given.certified and phases is None:
         return certified_plan(given, before)
     states = given if isinstance(given, WholeBodyMotion) else whole_body_motion(given, RATE)
+    states = without_repeated(states)
     own = contact_phases(states) if phases is None else given_phases(phases, states)
     try:
         found = parts(states, own)
@@ -106,7 +109,9 @@ def repaired_part(part: Part, before: Certificate, watch: Watch) -> tuple[Repair
     `before`: of the motion. Raises `Cancelled`.
     """
     try:
+        check_states(part, part.motion.robot)
         request = request_of(part, part.motion.robot)
+        check_amounts(request, part.motion.robot)
         plan = nearest(request, part.motion.robot, watch)
     except NoJump as error:
         return Repair(FAILED, before, phases=part.phases, why=sentence(error)), None

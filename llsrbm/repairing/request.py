@@ -127,7 +127,7 @@ def _whole_turns(part: Part, headings: Array) -> Array:
     """Headings (n,) rad as the base has turned in between, whole turns counted."""
     motion = part.motion
     if part.turns_over:
-        raise NoJump("the body turns over, and of flips and rolls there are no certified plans")
+        raise NoJump("the body turns over, and flips and rolls are planned, not repaired")
     base = yaw(motion.base_quat)
     found = headings.copy()
     own = part.places

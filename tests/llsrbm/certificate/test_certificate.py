@@ -91,6 +91,14 @@ def test_a_foreign_motion_has_no_forces_and_says_so(plan, tmp_path, capfd):
     assert result["holds"] is not True
 
 
+@pytest.mark.parametrize("given", [np.zeros((9, 19)), "jump.csv", None, {"qpos": []}])
+def test_what_is_no_motion_is_refused(given):
+    with pytest.raises(
+        llsrbm.InputError, match=r"expected a Plan, .*[( ]`llsrbm\.load_motion` opens"
+    ):
+        llsrbm.certify(given)
+
+
 def test_the_table_and_the_exit_status(plan, tmp_path, capfd):
     path = tmp_path / "plan.npz"
     plan.save(path)

@@ -45,6 +45,12 @@ def test_nothing_found_is_said(capfd):
     assert json.loads(said(capfd, "no such words", "--json").out) == {"count": 0, "motions": []}
 
 
+def test_a_folder_without_a_library_is_refused(capfd, tmp_path):
+    for words in ([], ["show", NAME], ["site", str(tmp_path / "site")]):
+        err = said(capfd, *words, "--dir", str(tmp_path / "none"), status=2).err
+        assert "none: no library is there; expected a folder that `llsrbm library build`" in err
+
+
 def test_a_motion_is_shown_and_checked_again(capfd):
     assert "The certificate holds." in said(capfd, "show", NAME).out
     found = json.loads(said(capfd, "show", NAME, "--json").out)

@@ -193,6 +193,8 @@ class TestFolders:
         assert "with other things in it" in refusal(tmp_path / "x", write_folder)
         assert names(tmp_path / "x") == before
         assert names(tmp_path) == ["x"]
+        with pytest.raises(InputError, match="with other things"), staged(tmp_path / "x"):
+            pytest.fail("what would be lost is worked for")
 
     def test_an_error_within_leaves_what_was_there(self, tmp_path):
         write_folder(tmp_path / "x", "one")

@@ -9,10 +9,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import llsrbm
+from llsrbm import library
 from llsrbm.certificate import certify
 from llsrbm.cli import main
 from llsrbm.formats import export
 from llsrbm.motion.bodies import urdf_joints
+from llsrbm.motion.whole_body import whole_body_motion
 from llsrbm.robots import load_robot
 from tests.llsrbm.formats.jumps import shipped
 
@@ -110,9 +112,23 @@ def test_joints_in_another_order(clip, tmp_path):
         assert any("are the joints in another order?" in each for each in said)
 
 
-@pytest.mark.parametrize(("fps", "said"), [(0.06, "is its time in ms"), (9000, "rate wrong")])
+@pytest.mark.parametrize(("fps", "said"), [(1.5, "is its time in ms"), (9000, "rate wrong")])
 def test_a_rate_that_is_absurd(clip, tmp_path, fps, said):
     assert said in opened(clip, tmp_path, clip[1], fps).remarks[0]
+
+
+def test_a_time_in_ms_is_refused_as_its_check_would_take_an_hour(tmp_path):
+    states = whole_body_motion(shipped("go2"), FPS)
+    np.savez(tmp_path / "x.npz", qpos=states.qpos, time=1000 * states.time + 1.7e12)
+    with pytest.raises(llsrbm.InputError, match=r"with 0.06 frames per second; .* time in ms"):
+        llsrbm.load_motion(tmp_path / "x.npz", "go2")
+
+
+def test_a_motion_of_half_an_hour_is_refused(tmp_path):
+    states = whole_body_motion(shipped("go2"), FPS).qpos[:1].repeat(2400, axis=0)
+    np.savez(tmp_path / "x.npz", qpos=states, fps=1.2)
+    with pytest.raises(llsrbm.InputError, match=r"lasts 1999 s .* at most 1000 s"):
+        llsrbm.load_motion(tmp_path / "x.npz", "go2")
 
 
 @pytest.mark.parametrize("key", ["joint_vel", "body_lin_vel_w", "body_ang_vel_w"])
@@ -133,6 +149,20 @@ def test_w_last_where_w_comes_first(tmp_path):
     np.savez(tmp_path / "x.npz", **arrays)
     first, *_ = llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks
     assert "is w last in its quaternions?" in first
+
+
+@pytest.mark.parametrize("yaw", [0.0, np.pi])
+def test_w_last_of_a_robot_that_hardly_turns(tmp_path, yaw):
+    states = whole_body_motion(library.shipped().open("go2-together-0001", check=False), FPS)
+    heading = Rotation.from_euler("z", yaw)
+    quat = heading * Rotation.from_quat(states.base_quat, scalar_first=True)
+    place = heading.apply(states.base_position)
+    for w_first in (True, False):
+        rows = np.hstack([place, quat.as_quat(scalar_first=w_first), states.joint_position])
+        np.savez(tmp_path / "x.npz", qpos=rows, fps=FPS)
+        remarks = llsrbm.load_motion(tmp_path / "x.npz", "go2").remarks
+        # One that looks backward is upside down then.
+        assert any("is w last in its quaternions?" in each for each in remarks) != w_first
 
 
 def test_commands_print_them(clip, tmp_path, capfd):

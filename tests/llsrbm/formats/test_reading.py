@@ -68,9 +68,12 @@ def test_files_of_no_format(tmp_path):
     np.savez(tmp_path / "x.npz", a=np.zeros(3))
     with zipfile.ZipFile(tmp_path / "x.zip", "w") as archive:
         archive.writestr("readme.txt", "nothing")
-    for name in ("x.bvh", "x.npz", "x.zip"):
+    for name in ("x.bvh", "x.zip"):
         with pytest.raises(FileFormatError, match="not a file that can be opened; expected npz"):
             llsrbm.load_motion(tmp_path / name)
+    said = "not a file that can be opened, as it has the keys a; expected npz .* with qpos"
+    with pytest.raises(FileFormatError, match=said):
+        llsrbm.load_motion(tmp_path / "x.npz")
 
 
 def opened_or_refused(path, **arguments):

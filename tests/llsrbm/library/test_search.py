@@ -41,7 +41,7 @@ def test_all_words_are_found(words, names):
     ("filters", "count"),
     [
         (Filters(min_distance=0.5), 2),
-        (Filters(min_distance=0.5, max_distance=0.499), 0),
+        (Filters(min_distance=0.51, max_distance=0.52), 0),
         (Filters(min_turn=math.radians(100)), 1),
         (Filters(min_height=0.1), 1),
         (Filters(min_flight=0.39), 1),
@@ -52,6 +52,24 @@ def test_all_words_are_found(words, names):
 )
 def test_figures(filters, count):
     assert len(found(MOTIONS, (), filters)) == count
+
+
+@pytest.mark.parametrize(
+    ("filters", "message"),
+    [
+        ({"robot": "Go2"}, 'no robot "Go2"; did you mean "go2"'),
+        ({"kind": "backflip"}, 'no kind "backflip"; did you mean "back-flip"'),
+        ({"min_distance": 0.5, "max_distance": 0.2}, "min_distance 0.5 is beyond max_distance 0.2"),
+    ],
+)
+def test_filters_that_nothing_could_fit_are_refused(filters, message):
+    with pytest.raises(InputError, match=message):
+        found(MOTIONS, (), Filters(**filters))
+
+
+def test_a_robot_or_a_kind_without_motions_is_no_mistake():
+    assert found(MOTIONS, (), Filters(robot="solo12")) == []
+    assert found(MOTIONS, (), Filters(kind="barrel-roll")) == []
 
 
 def test_no_number_is_no_filter():

@@ -117,6 +117,22 @@ def _upside_down():
     return replace(found, **states, base_quat=turn)
 
 
+def _sliding():
+    """No foot stays anywhere."""
+    motion = jump()
+    qpos = motion.qpos.copy()
+    qpos[:, 0] += 0.5 * motion.time
+    return of_states(motion.time, qpos)
+
+
+def _random():
+    """Each frame is another pose, somewhere else."""
+    motion = jump()
+    off = np.random.default_rng(3).normal(size=motion.qpos.shape)
+    off[:, 3:7] = 0.0
+    return of_states(motion.time, motion.qpos + off)
+
+
 def _airborne():
     """It begins in the air."""
     motion = jump()
@@ -128,10 +144,12 @@ def _airborne():
     ("motion", "why"),
     [
         (_standing, "No foot leaves the ground for a flight of all feet."),
+        (_sliding, "No foot stays in its place anywhere for as long as feet that stand do."),
+        (_random, "No foot stays in its place anywhere for as long as feet that stand do."),
         (_airborne, "No flight begins and ends with all feet on the ground."),
         (
             _upside_down,
-            "The body turns over, and of flips and rolls there are no certified plans.",
+            "The body turns over, and flips and rolls are planned, not repaired.",
         ),
     ],
 )

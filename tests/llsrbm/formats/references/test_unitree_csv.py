@@ -141,8 +141,12 @@ GOOD = ["0,0,0.5,0,0,0,1" + ",0" * 12] * 4
         (["Frame,root_translateX,root_rotateX", *GOOD], "begins with a header.*ProtoMotions"),
         (
             [GOOD[0] + ",0", *GOOD],
-            r"row 1 has 20 columns; expected 19: 7 of .* anymal, 12 \(",
+            r"row 1 has 20 columns; expected 19: 7 of .* anymal, 12 \(.*a column of the time",
         ),
+        ([GOOD[0][2:], *GOOD], "row 1 has 18 columns; .*; Euler angles .* are not read"),
+        ([row.replace(",", " ") for row in GOOD], "row 1 has spaces between its numbers; .*commas"),
+        ([row.replace(",", ";") for row in GOOD], "row 1 has semicolons between its numbers"),
+        ([GOOD[0], *(row + "," for row in GOOD)], "row 2 ends with a comma; expected rows of"),
         ([GOOD[0], "0,0,x", *GOOD], "row 2: not all of it is numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "0_5"), *GOOD], "row 2: not all of it is numbers"),
         ([GOOD[0], GOOD[0].replace("0.5", "٥"), *GOOD], "row 2: not all of it is numbers"),
