@@ -40,7 +40,7 @@ def plan_status(
         why = draft_reason(plan)
         parts = [f"{remark} {_sentence(why)}"] if remark.endswith(".") else [*parts, f"as {why}"]
     if plan.report.compiling:
-        parts.append("solver still being compiled")
+        parts.append("planned before its solver was compiled")
     rest = f"{', '.join(parts)} {follows}".strip()
     figures, checks = _plan_figures(plan), _checks(plan)
     if wanted is not None:
