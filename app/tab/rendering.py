@@ -339,15 +339,15 @@ def _column(contender: Contender) -> Column:
 def legend_of(picture: Picture) -> list[Meaning]:
     """The colours of the overlays that are drawn, and what they mean.
 
-    Of two that share a colour, as forces and pushes do, the common one says what it means.
+    Where two share a colour, as forces and pushes do, the common one says what it means.
     """
     if picture.planned is None or picture.row:
         return []
     drawn = [OVERLAYS[name] for name in OVERLAYS if name in picture.layers]
     meanings = [each for overlay in drawn if overlay.common for each in overlay.legend(picture)]
     others = [each for overlay in drawn if not overlay.common for each in overlay.legend(picture)]
-    told = {colour for colour, _ in meanings}
-    return [*meanings, *((colour, words) for colour, words in others if colour not in told)]
+    taken = {colour for colour, _ in meanings}
+    return [*meanings, *((colour, words) for colour, words in others if colour not in taken)]
 
 
 def _recovered(rollout: Rollout | None) -> bool | None:
