@@ -18,6 +18,7 @@ from llsrbm.library.stick_figure import StickFigure
 from llsrbm.look.titles import title_of_robot
 from llsrbm.number_text import decimal, degrees
 from llsrbm.request.design import Design, examples
+from llsrbm.request.jump_types import names
 
 FOLDER = assets_directory() / "thumbnails"
 _LITTLE, _LITTLE_TURN = 0.015, math.radians(2)  # m, rad: of which a list says nothing
@@ -59,7 +60,7 @@ def motions() -> list[dict[str, str]]:
         {
             "name": card.name,
             "robot": title_of_robot(card.robot),
-            "kind": card.kind.replace("-", " "),
+            "kind": title_of_kind(card.kind),
             "line": figures_in_words(card.figures),
         }
         for card in shipped().found()
@@ -89,13 +90,20 @@ def motion_names() -> frozenset[str]:
 
 def figures_in_words(figures: Figures) -> str:
     """Where a motion leads, as far as it leads somewhere, and how long it flies."""
+    height = figures.height_m
     parts = [
         (abs(figures.turn) > _LITTLE_TURN, degrees(figures.turn, 0)),
         (figures.distance_m > _LITTLE, f"{decimal(figures.distance_m, 2)} m"),
-        (abs(figures.height_m) > _LITTLE, f"up {decimal(figures.height_m, 2)} m"),
+        (abs(height) > _LITTLE, f"{'up' if height > 0 else 'down'} {decimal(abs(height), 2)} m"),
         (True, f"{decimal(figures.flight_s, 2)} s in the air"),
     ]
     return ", ".join(words for counts, words in parts if counts)
+
+
+def title_of_kind(kind: str) -> str:
+    """A kind of motion as in menus: the title of its jump type, or its own words."""
+    known = names()
+    return known[kind].title if kind in known else kind.replace("-", " ").capitalize()
 
 
 def first_sentence(note: str) -> str:

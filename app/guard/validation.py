@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from llsrbm.number_text import short
+
 
 def option(
     label: str, value: Any, valid: Sequence[str], otherwise: str, complaints: list[str]
@@ -26,7 +28,7 @@ def number(label: str, value: Any, ends: tuple[float, float], complaints: list[s
     slack = 1e-6 * max(1.0, abs(value))  # a browser rounds
     if not lowest - slack <= value <= highest + slack:
         complaints.append(
-            f"{label}: expected {lowest:.4g} to {highest:.4g}, got {value:.6g}; "
+            f"{label}: expected {short(lowest, 4)} to {short(highest, 4)}, got {short(value)}; "
             "the nearest is taken"
         )
     return min(max(float(value), lowest), highest)

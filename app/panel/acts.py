@@ -88,7 +88,7 @@ class Act(Enum):
     )
     PIN = Button("pin", "Pin", "Keep this design as a ghost to compare others with")
     USE_PINNED = Button("pinned", "Use this design", "Make the pinned design the current one")
-    UNPIN = Button("pinned", "Unpin")
+    UNPIN = Button("pinned", "Unpin", "Take the pinned design out of picture, charts and table")
     CHECK = Button(
         "certificate",
         "Check the motion",
@@ -118,7 +118,7 @@ class Act(Enum):
         "Add chart",
         "Drag this button, or a chart's title, onto a chart to combine them",
     )
-    REMOVE_CHART = Button("charts", "Remove chart")
+    REMOVE_CHART = Button("charts", "Remove chart", "Take the chosen chart away")
     SAVE_LINES = Button("charts", "Download", "Save all shown lines with their own instants as CSV")
     SAVE = Button(
         "files",

@@ -100,7 +100,7 @@ def _menus(sweeps: Sequence[str]) -> tuple[Field[_Menus], ...]:
         _axis_menu(1, "Vertical axis"),
         Field(
             "Colour",
-            None,
+            "Figure of each jump by which its place in the map is coloured",
             get=lambda menus: COLOURS[menus.choice.colour].title,
             put=lambda menus, title: menus.having(colour=_COLOURS[title]),
             options=tuple(_COLOURS),

@@ -33,7 +33,7 @@ class Pins(NamedTuple):
 
 _PINNED: Field[Pins] = Field(
     "Pinned",
-    None,
+    "The pinned design that the buttons below it are about",
     get=lambda pins: pins.names[max(pins.chosen, 0)],
     put=lambda pins, name: pins._replace(chosen=pins.names.index(name)),
     options=lambda pins, _: pins.names,
@@ -55,6 +55,11 @@ class ComparisonControls:
         self._fields = Fields(gui, self._pins, None, put_act, Act.PINNED)
         self._fields.add(_PINNED)
         self.buttons |= add_buttons(gui, "pinned", put_act)
+
+    @property
+    def hints(self) -> dict[str, tuple[str, str]]:
+        """As `Fields.hints`."""
+        return self._fields.hints
 
     @property
     def chosen(self) -> int:

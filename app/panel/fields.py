@@ -28,7 +28,7 @@ class Field(Generic[V]):
     """A control: a checkbox, or a menu if it has options, or for numbers if it has ends."""
 
     label: str  # label, hint: for people; labels are part of the contract
-    hint: str | None
+    hint: str
     # what the control shows of a value, in display units, unrounded; a menu, of one that has it
     get: Callable[[V], Any]
     put: Callable[[V, Any], V]  # the value with what the control shows
@@ -91,9 +91,7 @@ class Fields(Generic[V]):
     def hints(self) -> dict[str, tuple[str, str]]:
         """Label and meaning of each control, by its uuid: static/tips.js shows it on both."""
         handles = self._handles.items()
-        return {
-            uuid_of(handle): (field.label, field.hint) for field, handle in handles if field.hint
-        }
+        return {uuid_of(handle): (field.label, field.hint) for field, handle in handles}
 
     def handle(self, field: Field[V]) -> Any:
         """The control of a row."""

@@ -83,7 +83,7 @@ class FileChoice:
         )
 
 
-def _field(label: str, name: str, hint: str | None = None, **how: Any) -> Field[FileChoice]:
+def _field(label: str, name: str, hint: str, **how: Any) -> Field[FileChoice]:
     return Field(
         label,
         hint,
@@ -127,10 +127,17 @@ RATE = _field(
     there=lambda choice: choice.rate_needed,
 )
 OPTIONS = (
-    _field("Trajectory", "of", options=(SIMULATION, PLAN), there=lambda choice: choice.simulated),
+    _field(
+        "Trajectory",
+        "of",
+        "Motion that is written: of the simulation, or of the plan that it followed",
+        options=(SIMULATION, PLAN),
+        there=lambda choice: choice.simulated,
+    ),
     _field(
         "Frames per second",
         "fps",
+        "Instants of the motion that the file has each second",
         ends=lambda choice: (1.0, _FASTEST_FILM if choice.takes("size") else _FASTEST),
         there=lambda choice: choice.takes("fps"),
     ),
@@ -142,7 +149,13 @@ OPTIONS = (
         step=0.1,
         there=lambda choice: choice.takes("pad"),
     ),
-    _field("Order of bodies", "order", options=ORDERS, there=lambda choice: choice.takes("order")),
+    _field(
+        "Order of bodies",
+        "order",
+        "Order in which the file names the robot's bodies",
+        options=ORDERS,
+        there=lambda choice: choice.takes("order"),
+    ),
 )
 ALSO = tuple(
     Field(

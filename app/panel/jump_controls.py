@@ -243,6 +243,7 @@ class JumpControls:
     def show(self, jump: Jump, robot: Robot | None, ends: Task) -> None:
         """Put the controls where a request has them; the types and the picture, of its robot.
 
+        `robot`: the one of the request; None while it is loaded, which leaves the picture empty.
         `ends`: of the sliders.
         """
         self._task = ends
@@ -253,6 +254,9 @@ class JumpControls:
         for name, act in HOW_FAR.items():
             self.buttons[act].visible = name in landing_fields(jump)
         self.footholds.show(jump, robot)
+        if robot is None:
+            # Another robot's feet, or another type, would be a wrong picture of the request.
+            self._drawn_of, self._picture.content = (), type_picture.EMPTY
         drawn_of = (robot, jump.type, jump.jumps, jump.pitch, jump.roll)
         if robot is not None and drawn_of != self._drawn_of and jump.type in self._types:
             self._drawn_of = drawn_of

@@ -158,6 +158,7 @@ class Panel:
             **files.hints,
             **self.plots.fields.hints,
             **self.atlas.hints,
+            **self.comparison.hints,
             **{
                 uuid_of(handle): (act.value.label, act.value.hint)
                 for act, handle in self.buttons.items()

@@ -39,8 +39,6 @@ def plan_status(
     if not (plan.certified or follows):
         why = draft_reason(plan)
         parts = [f"{remark} {_sentence(why)}"] if remark.endswith(".") else [*parts, f"as {why}"]
-    if plan.report.compiling:
-        parts.append("solver still being compiled")
     rest = f"{', '.join(parts)} {follows}".strip()
     figures, checks = _plan_figures(plan), _checks(plan)
     if wanted is not None:

@@ -16,9 +16,10 @@ from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import JumpType, Legs
 from llsrbm.request.schedule import Schedule
 
-HEIGHT = 66  # px, of any type: what stands below must not move as another one is chosen
+HEIGHT = 70  # px, of any type: what stands below must not move as another one is chosen
 
 _WIDTH, _ROWS = 168, 52  # px: of the drawing, and of all its rows together
+_UNDER = 12  # px, from the rows down to the foot of the letters below them
 _ROW = 13.0  # px, of a row at most
 _LETTER = 7.2  # px, of a leg's name
 _LONGEST = 8  # letters of a leg's name that are shown
@@ -78,7 +79,7 @@ def gait_diagram(schedule: Schedule, jump: Jump) -> str:
         middle = left + (schedule.flights[0] + 0.5) * column
         parts.append(_arrow(middle, bottom / 2, min(0.36 * column, 0.36 * bottom), jump))
         parts.append(
-            f'<text x="{middle:.1f}" y="{height - 2:.1f}" font-size="12" text-anchor="middle">'
+            f'<text x="{middle:.1f}" y="{bottom + _UNDER:.1f}" font-size="12" text-anchor="middle">'
             f"{_seen_from(jump)}</text>"
         )
     return (

@@ -10,6 +10,8 @@ from llsrbm.look.shown_motion import ShownMotion
 from llsrbm.look.visuals import default_pose
 from llsrbm.mechanics import CORNERS, rotation_matrices
 from llsrbm.motion.block import Block
+from llsrbm.request.jump import Jump
+from llsrbm.request.route import waypoints
 from llsrbm.robots import Robot
 
 _LARGE = 1.5  # m, of a block that need not be in sight as a whole
@@ -41,6 +43,13 @@ def around_default(robot: Robot) -> Array:
     """The same of a robot in its default posture, (1, C, 8, 3) m."""
     position, wxyz = default_pose(robot)
     return around(robot, position[None], wxyz[None])
+
+
+def around_landings(robot: Robot, jump: Jump | None) -> Array:
+    """Corners (N, 3) m of boxes around a robot that waits, and around it where a request lands."""
+    here = around_default(robot).reshape(-1, 3)
+    places = () if jump is None else waypoints(jump.landings)
+    return np.concatenate([here, *(here + np.array(place[:3]) for place in places)])
 
 
 def corners(block: Block, largest: float = _LARGE) -> Array:

@@ -15,7 +15,7 @@ from app.motion.clip import AnimationChannel, CameraTarget, Track
 from app.motion.colours import Rgb
 from app.picture import gltf
 from app.picture.blocks import tops_under
-from app.picture.bounds import around, around_default, corners, outermost
+from app.picture.bounds import around, around_default, around_landings, corners, outermost
 from app.picture.drawing import Drawing
 from app.picture.parts import Part, parts_of
 from app.picture.picture import Picture
@@ -236,7 +236,8 @@ class SolidRobot(Drawing):
         self._shelf.show_only((nodes,))
         self.robot_parts = parts_of(robot, nodes.bodies)
         if frames is None:
-            self.camera_target = CameraTarget(nodes.base, outermost(around_default(robot)))
+            points = around_landings(robot, picture.target)
+            self.camera_target = CameraTarget(nodes.base, outermost(points))
             return [nodes.still()]
         swept = around(robot, frames.body_position[::_EVERY], frames.body_wxyz[::_EVERY])
         points = np.concatenate([swept.reshape(-1, 3), *map(corners, picture.blocks)])

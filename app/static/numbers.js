@@ -1,4 +1,5 @@
 // Number boxes take numbers: what is none leaves the number as it is, and a note says what is accepted.
+// A box that is left without one has its last number again.
 (() => {
   const BOXES = "input.mantine-NumberInput-input", ROW = ".mantine-Flex-root:has(label)";
   const OF_NUMBERS = /^[\d.,+\-−\s]*$/;
@@ -17,4 +18,31 @@
     event.preventDefault();
     window.llsrbm.tips.show(box, accepted(box));
   }, true);
+
+  // ---- a box that is left empty, or with a sign alone, has its last number again
+
+  const numbers = new WeakMap(); // box -> the last number that stood in it
+  const isNumber = (box) => box.value.trim() !== "" && Number.isFinite(Number(box.value.replace(",", ".")));
+  const setValue = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
+
+  function put(box, value) {
+    setValue.call(box, value); // as React sees it
+    box.dispatchEvent(new Event("input", { bubbles: true }));
+  }
+
+  function remember({ target }) {
+    if (target instanceof Element && target.matches(BOXES) && isNumber(target))
+      numbers.set(target, target.value.replace(/^-(?=[0.,]*$)/, "")); // no −0
+  }
+
+  function complete({ type, key, target }) {
+    if (type === "keydown" && key !== "Enter") return;
+    if (!(target instanceof Element) || !target.matches(BOXES) || isNumber(target)) return;
+    if (!numbers.has(target)) return;
+    put(target, numbers.get(target));
+    window.llsrbm.tips.show(target, accepted(target));
+  }
+
+  for (const type of ["focusin", "input"]) document.addEventListener(type, remember, true);
+  for (const type of ["focusout", "keydown"]) document.addEventListener(type, complete, true);
 })();

@@ -21,6 +21,7 @@
   const STYLE = `
     :root[data-mantine-color-scheme=light] { --mantine-color-dimmed: #59616a !important; }
     :root[data-mantine-color-scheme=dark] { --mantine-color-dimmed: #b4bac2 !important; }
+    .mantine-Notification-description { color: var(--mantine-color-dimmed) !important; }
 
     /* viser has letters of less than 12 pixels, drawn together. */
     body * { letter-spacing: normal !important; }

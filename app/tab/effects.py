@@ -85,8 +85,8 @@ class Outside:
             self.pool.forget(self.name(queue, lane))
 
     def note(self, title: str, body: str) -> None:
-        """Show a note until it is closed, in place of the one with the same words."""
-        alike = title, body
+        """Show a note until it is closed, in place of the one on the same control or file."""
+        alike = title, body.partition(": ")[0]
         while len(self._notes) >= MOST_NOTES or alike in self._notes:
             self._notes.pop(alike if alike in self._notes else next(iter(self._notes))).remove()
         self._notes[alike] = self.client.add_notification(title, body, color="orange")

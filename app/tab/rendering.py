@@ -337,11 +337,17 @@ def _column(contender: Contender) -> Column:
 
 
 def legend_of(picture: Picture) -> list[Meaning]:
-    """The colours of the common overlays that are drawn, and what they mean."""
+    """The colours of the overlays that are drawn, and what they mean.
+
+    Where two share a colour, as forces and pushes do, the common one says what it means.
+    """
     if picture.planned is None or picture.row:
         return []
-    drawn = (OVERLAYS[name] for name in OVERLAYS if name in picture.layers)
-    return [each for overlay in drawn if overlay.common for each in overlay.legend(picture)]
+    drawn = [OVERLAYS[name] for name in OVERLAYS if name in picture.layers]
+    meanings = [each for overlay in drawn if overlay.common for each in overlay.legend(picture)]
+    others = [each for overlay in drawn if not overlay.common for each in overlay.legend(picture)]
+    taken = {colour for colour, _ in meanings}
+    return [*meanings, *((colour, words) for colour, words in others if colour not in taken)]
 
 
 def _recovered(rollout: Rollout | None) -> bool | None:

@@ -171,7 +171,7 @@ class TabState:
     shown: Shown | None = None  # the motion that is shown; None: there is none yet
     given: Given | None = None  # the motion that is shown as soon as the robot is drawn
     # one line on the progress
-    status: Status = field(default_factory=lambda: Status(Verdict.PLANNING, ""))
+    status: Status = field(default_factory=lambda: Status(Verdict.PLANNING, busy=True))
     work: Work = field(default_factory=Work)  # work, files, seeds: what is being computed
     files: FileWork = field(default_factory=FileWork)
     seeds: Seeds | None = None

@@ -2,6 +2,7 @@
 
 from llsrbm.certificate import stated
 from llsrbm.motion.plan import Plan
+from llsrbm.motion.solve_report import UNTRIED
 
 
 def certificate_words(plan: Plan) -> str:
@@ -21,8 +22,8 @@ def draft_reason(plan: Plan) -> str:
             return "it is of the robot without its payload"
         if plan.refinement is None:
             return "its drives were looked at in knots only"
-        if plan.jump.turns:
-            return "the whole body's plan is not looked for where the body turns over"
+        if plan.refinement.status == UNTRIED:
+            return "no whole body's plan is made where a body that turns over lands on all feet"
         return "the whole body's plan was not found"
     unknown = [each for each in found if each.holds is None]
     names = ", ".join(each.name.replace("_", " ") for each in found.broken or unknown)

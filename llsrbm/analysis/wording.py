@@ -153,12 +153,17 @@ def violation_rows(violations: dict[str, Violation]) -> list[TitledValue]:
     return [
         (
             name.replace("_", " "),
-            f"{power(v.amount)} {v.unit.replace('m2', 'm²')}, {v.phase} at {decimal(v.time, 2)} s"
+            f"{power(v.amount)}{_unit(v.unit)}, {v.phase} at {decimal(v.time, 2)} s"
             if v.amount
             else "0",
         )
         for name, v in sorted(violations.items(), key=lambda item: -size(item[1]))
     ]
+
+
+def _unit(unit: str) -> str:
+    """A unit after a number; of a plain number none."""
+    return "" if unit == "1" else f" {unit.replace('m2', 'm²')}"
 
 
 # ---- rollouts

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from llsrbm.arrays import Array
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.trajectory import json_value
+from llsrbm.number_text import decimal, percent
 
 ALLOWANCE = 0.01  # of a limit: beyond it a share does not hold
 
@@ -20,7 +21,8 @@ class Finding:
 
     Attributes:
         name: of the check.
-        worst: a share of the limit, or a length in m; None if it cannot be known.
+        worst: a share of the limit (where that is 0, 1 and a share of the weight), or a length in
+            m; None if it cannot be known.
         limit: in `unit`; None where there is none, or where it is not known.
         unit: of the limit; of `worst` as well where that is a length.
         allowed: what `worst` may be, or has to be at least where it is a distance between bodies.
@@ -62,8 +64,12 @@ class Finding:
         return f"{self.time_s:.2f} s{long}"
 
     def shown(self, value: float) -> str:
-        """A value like `worst`, for people: mm, or per cent of the limit."""
-        return f"{1e3 * value:.1f} mm" if self.is_length else f"{100 * value:.1f} %"
+        """A value like `worst`, for people: mm, per cent of the limit, or of the weight above 0."""
+        if self.is_length:
+            return f"{decimal(1e3 * value, 1)} mm"
+        if self.limit == 0:
+            return f"{percent(value - 1, 1)} of the weight"
+        return percent(value, 1)
 
 
 LENGTHS = ("slip", "self_distance", "clearance")

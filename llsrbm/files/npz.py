@@ -40,7 +40,7 @@ from llsrbm.files.quantity import (
 
 Arrays = dict[str, NDArray[Any]]
 
-NATIVE = "expected an npz file that `--out`, `Plan.save` or `Rollout.save` wrote"
+NATIVE = "expected an npz file that the page exported, or --out or a save() wrote"
 
 # Far above any trajectory (1 MB for two seconds at 400 Hz), far below a machine's memory.
 LARGEST = 64 * 1024**2  # bytes, of a file, unpacked, and of its arrays as they are used
@@ -202,8 +202,8 @@ def _check_end(file: BinaryIO, where: str, expected: str, largest: int) -> None:
     end = tail.rfind(b"PK\5\6")  # as zipfile looks for it
     if not head.startswith(b"PK") or end < 0 or end + 22 > len(tail):
         others = (text for begin, text in _OTHERS if head.startswith(begin))
-        seems = next(others, "an empty file" if not head else "of no kind that is known here")
-        raise FileFormatError(f"{where}: not an npz file, it seems to be {seems}; {expected}")
+        seems = next(others, "an empty file" if not head else "one of an unknown kind")
+        raise FileFormatError(f"{where}: not an npz file but {seems}; {expected}")
     count, directory = struct.unpack("<HL", tail[end + 10 : end + 16])
     if (
         directory > _LARGEST_DIRECTORY

@@ -14,6 +14,7 @@ from llsrbm.motion.flights import Flight, flights
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.replan import DEADLINE, Replan
 from llsrbm.motion.rollout import Mode, Rollout
+from llsrbm.number_text import decimal
 from llsrbm.request.schedule import Schedule
 
 _STANDING = "standing"
@@ -243,8 +244,8 @@ def _events(rollout: Rollout) -> str:
         if detected is None:
             parts.append("not detected")
         elif true is not None:
-            parts.append(f"detected {1e3 * (detected - true):+.1f} ms")
-    forces = [f"{a:.2f}-{b:.2f} s" for a, b in force_phases(rollout)]
+            parts.append(f"detected {decimal(1e3 * (detected - true), 1, signed=True)} ms")
+    forces = [f"{a:.2f} to {b:.2f} s" for a, b in force_phases(rollout)]
     if forces:
         parts.append(f"force control {', '.join(forces)}")
     return ", ".join(parts)

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 NEAREST = "nearest to another request"
 """`SolveReport.guess` of plans that were made in place of a request that is not feasible."""
 
+UNTRIED = "not-tried"
+"""`Refinement.status` of a draft in which the body turns over and lands on all feet at once."""
+
 
 @dataclass(frozen=True)
 class Violation:

@@ -116,8 +116,8 @@ def _motor_map(robot: Robot) -> MotorMap:
     wire = robot.file.wire
     if wire is None:
         raise InputError(
-            f"{robot.path}: robot {robot.name} has no table [wire]; expected its message family "
-            "and its motors there, for anything that goes to the robot's own wire"
+            f"{robot.path}: {robot.file.title} has no table [wire] of its motors; expected "
+            "its message family and motors there, for anything that goes to the robot's own wire"
         )
     order = urdf_joints(robot)
     _check_names(robot, wire, order)

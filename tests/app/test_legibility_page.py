@@ -7,7 +7,7 @@ static/accessibility.js and static/panel.js supply the names and contrasts that 
 import pytest
 
 from tests.app.axe import findings
-from tests.app.chromium import PACE, settled, tab, tick, unfold
+from tests.app.chromium import PACE, drop, settled, tab, tick, unfold
 from tests.app.legibility import unreadable
 
 DESK, TABLET = (1440, 900), (820, 1180)
@@ -61,3 +61,10 @@ def test_everything_can_be_read(page, size, night):
         page.set_viewport_size({"width": width, "height": height})
         found[width, height] = laid_out(page)
     assert {place: findings for place, findings in found.items() if findings} == {}
+
+
+def test_a_note_can_be_read_at_night(page):
+    at_night(page, True)
+    drop(page, "other.npz", b"no such file")
+    page.get_by_text("other.npz: not an npz file").wait_for()
+    assert laid_out(page) == []

@@ -63,6 +63,9 @@ class Tint:
     def draw(self, state: TabState) -> None:
         """Tint the tracks anew, if they are of another request."""
         if not state.ready or state.robot is None:
+            if self._made_of:  # of another robot
+                self._made_of = ()
+                self._link.call("tint.show", dict.fromkeys(self._sliders.values(), _unknown_yet()))
             return
         design = state.design
         made_of = (
@@ -100,6 +103,11 @@ def chances(track: Track, ends: tuple[float, float]) -> list[int | None]:
     slack = _SLACK * (known[-1] - known[0])
     inside = (values >= known[0] - slack) & (values <= known[-1] + slack)
     return [share if there else None for share, there in zip(shares, inside, strict=True)]
+
+
+def _unknown_yet() -> dict[str, Any]:
+    """The plain track of a slider while the robot is loaded."""
+    return {"chances": [], "text": unknown("before the robot is loaded"), "range": ""}
 
 
 def unknown(why: str) -> str:

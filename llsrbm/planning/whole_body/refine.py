@@ -14,7 +14,7 @@ from llsrbm.arrays import Array
 from llsrbm.mechanics import quaternions_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
-from llsrbm.motion.solve_report import Refinement
+from llsrbm.motion.solve_report import UNTRIED, Refinement
 from llsrbm.ocp.horizon import Iterate, Solution
 from llsrbm.ocp.progress import interruptible
 from llsrbm.ocp.solvers import Fatrop, Solver
@@ -45,7 +45,7 @@ _log = logging.getLogger(__name__)
 # degrees that are not found at once all are so, with three steps none is.
 SHARES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 _DIGITS = 8  # of what tells kinds of robots apart in names of files
-SOLVED, FAILED, UNTRIED = "solved", "not-converged", "not-tried"
+SOLVED, FAILED = "solved", "not-converged"
 
 
 class Moved(NamedTuple):

@@ -22,7 +22,7 @@ class Shelf:
 def field(label, name, **how):
     return Field(
         label,
-        None,
+        f"What {label} means",
         get=lambda shelf: getattr(shelf, name),
         put=lambda shelf, shown: replace(shelf, **{name: shown}),
         **how,

@@ -52,6 +52,26 @@ def test_a_number_box_keeps_its_number_and_says_what_it_accepts(page, label, oth
     page.keyboard.press("Escape")
 
 
+@pytest.mark.parametrize("left", ["", "-", "."])
+def test_a_number_box_that_is_left_without_a_number_has_its_last_one_again(page, left):
+    box = number(page, "Forward [m]")
+    before = box.input_value()
+    box.click()
+    page.keyboard.press("Control+a")
+    page.keyboard.press("Delete")
+    page.keyboard.insert_text(left)
+    assert box.input_value() == left
+    page.keyboard.press("Enter")
+    wait_until(lambda: box.input_value() == before, "the number")
+    (note,) = notes(page)
+    assert note.startswith("Forward [m]: expected a number from −")
+    page.keyboard.press("Control+a")
+    page.keyboard.press("Delete")
+    page.keyboard.press("Tab")
+    wait_until(lambda: box.input_value() == before, "the number again")
+    page.keyboard.press("Escape")
+
+
 def test_keys_undo_what_was_changed_and_redo_it(page):
     def planned():
         # The example is put back late: what was filled in before is lost.

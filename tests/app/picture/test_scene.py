@@ -12,6 +12,8 @@ from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.picture import Ghost, Picture
 from app.picture.scene import Scene
 from llsrbm.look.visuals import link_visuals
+from llsrbm.request.jump import Jump
+from llsrbm.request.route import Landing
 from llsrbm.robots import load_robot
 from tests.app.picture.pictures import picture, planned
 from tests.app.picture.recorded import RecordedClient, names_in, track_of
@@ -93,6 +95,11 @@ def test_the_points_that_are_looked_at_hold_all_of_the_motion():
     # The apex may lie between two of the frames that are looked at.
     assert (high > places.max(axis=0) - 0.01).all()
     still = Drawn(Picture(robot=load_robot("anymal"))).clip.camera_target
+    route = Jump(type="hops").along((Landing(forward=0.5), Landing(forward=0.5, height=0.2)))
+    waits = Drawn(Picture(robot=load_robot("anymal"), target=route)).clip.camera_target
+    assert np.ptp(waits.points, axis=0) - np.ptp(still.points, axis=0) == pytest.approx(
+        [1.0, 0.0, 0.2], abs=0.02
+    )
     assert high[0] - still.points[:, 0].max() == pytest.approx(0.4, abs=0.1)
 
 

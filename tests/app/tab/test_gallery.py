@@ -91,6 +91,12 @@ def test_every_motion_has_a_line():
     assert all("s in the air" in motion["line"] for motion in motions)
 
 
+def test_kinds_have_the_titles_of_the_menu_of_jump_types():
+    kinds = {motion["kind"] for motion in gallery.motions()}
+    assert {"All feet together", "Hops", "Back flip", "Pirouette"} <= kinds
+    assert all(kind[0].isupper() for kind in kinds)
+
+
 def test_every_motion_has_a_stick_figure_and_each_is_small():
     found = gallery.stick_figures(gallery.motion_names())
     assert found.keys() == gallery.motion_names()
@@ -132,7 +138,9 @@ def test_stick_figures_are_sent_of_motions_that_come_into_view():
 def test_figures_that_are_nothing_are_left_out():
     card = shipped().card("go2-together-0001")
     still = replace(card.figures, forward_m=0.0, lateral_m=0.0, height_m=-0.2, turn=0.01)
-    assert gallery.figures_in_words(replace(still, flight_s=0.4)) == "up −0.20 m, 0.40 s in the air"
+    assert (
+        gallery.figures_in_words(replace(still, flight_s=0.4)) == "down 0.20 m, 0.40 s in the air"
+    )
 
 
 def test_the_motion_that_is_chosen_is_opened_as_a_file_is():

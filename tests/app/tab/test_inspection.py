@@ -10,7 +10,7 @@ from app.tab.acts import is_enabled
 from app.tab.effects import Queue, ShowPart
 from app.workers.reports import Cancelled, Checked, Failed
 from app.workers.tasks import CheckMotion
-from llsrbm.certificate import Certificate
+from llsrbm.certificate import Certificate, Finding
 from tests.app.planners import CERTIFICATE
 from tests.app.pure_tab import PureTab, planned_tab
 
@@ -109,6 +109,15 @@ def test_without_a_plan_there_is_nothing_to_check():
     tab = PureTab()
     assert not is_enabled(Act.CHECK, tab.state)
     assert tab.take(CertificateAsked()) == ()
+
+
+def test_a_limit_of_zero_and_a_distance_just_below_it_are_told_in_words_of_their_own():
+    pulls = Finding("contact_force", 1.002, 0.0, "N", "LF", 0.1, holds=True, allowed=1.01)
+    near = Finding("clearance", -0.00002, -0.005, "m", "LF", 0.1, holds=True, allowed=-0.005)
+    table = certificate_table(Certificate((pulls, near)), "plan")
+    assert "0.2 % of the weight" in table
+    assert ">0.0 mm" in table
+    assert "−5.0 mm" in table
 
 
 def test_the_table_has_every_finding_and_the_instant_to_look_at():

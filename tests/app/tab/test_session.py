@@ -101,14 +101,14 @@ def test_a_robot_brings_its_ranges_and_its_example(tab, session):
 @pytest.mark.parametrize(
     ("label", "value", "shown", "told"),
     [
-        ("Twist [deg]", 999.0, 180.0, "expected -180 to 180, got 999; the nearest is taken"),
-        ("Forward [m]", -5.0, -0.3, "expected -0.3 to 0.6, got -5; the nearest is taken"),
+        ("Twist [deg]", 999.0, 180.0, "expected −180 to 180, got 999; the nearest is taken"),
+        ("Forward [m]", -5.0, -0.3, "expected −0.3 to 0.6, got −5; the nearest is taken"),
         ("Lateral [m]", math.nan, 0.0, "expected a number, got nan"),
         ("Landing height [m]", math.inf, 0.0, "expected a number, got inf"),
         ("Model", "<b>x</b>", "LL-SRBM+", "expected one of SRBM, LL-SRBM, LL-SRBM+"),
         ("Robot", "nosuch", "ANYmal B", "expected one of Unitree A1"),
         ("Board under the feet [mm]", 999, 70, "expected 0 to 70, got 999; the nearest is taken"),
-        ("Seed", -3, 0, "expected 0 to 9999, got -3; the nearest is taken"),
+        ("Seed", -3, 0, "expected 0 to 9999, got −3; the nearest is taken"),
     ],
 )
 def test_a_value_no_control_offers_is_corrected_and_said(tab, session, label, value, shown, told):

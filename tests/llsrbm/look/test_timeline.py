@@ -47,7 +47,7 @@ def test_a_rollout_of_it():
         "take-off", "flight", "landing", "standing", "force control",
     ]  # fmt: skip
     assert events.summary.startswith(
-        "touchdown 0.900 s, simulated 0.890 s, detected +5.0 ms, force control 0.90-1.09 s"
+        "touchdown 0.900 s, simulated 0.890 s, detected +5.0 ms, force control 0.90 to 1.09 s"
     )
     marks = {mark.name: mark.time for mark in events.marks}
     assert marks["first contact"] == rollout.outcome.touchdown_true_s

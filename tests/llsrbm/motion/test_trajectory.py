@@ -16,7 +16,7 @@ from llsrbm.request.jump import Jump
 from tests.llsrbm.synthetic import synthetic_plan
 from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
-ACCEPTED = "expected an npz file that `--out`, `Plan.save` or `Rollout.save` wrote"
+ACCEPTED = "expected an npz file that the page exported, or --out or a save() wrote"
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +95,7 @@ def test_what_it_seems_to_be(plan, tmp_path):
         (dump_design(Design(Jump(twist=1.0))).encode(), "`llsrbm plan --design FILE`"),
         (b"\x93NUMPY", "a single NumPy array"),
         (b"time [s],com/x [m]\n", "tables cannot be read back"),
-        (bytes(range(256)), "of no kind that is known"),
+        (bytes(range(256)), "one of an unknown kind"),
     ):
         path.write_bytes(content)
         assert seems in said(path)

@@ -1,12 +1,16 @@
 """What every overlay has in common; the geometry of each has a test of its own."""
 
+from dataclasses import replace
+
 import pytest
 
 from app.picture.overlays import AT_FIRST, OVERLAYS
 from app.picture.scene import Scene
+from app.tab.rendering import legend_of
 from llsrbm.robots import load_robot
 from tests.app.picture.pictures import picture
 from tests.app.picture.recorded import RecordedClient
+from tests.llsrbm.synthetic_rollout import synthetic_rollout
 
 
 def test_titles_are_different_and_hints_are_sentences():
@@ -44,3 +48,14 @@ def test_diagnostics_are_quiet_at_first():
     of_pushes = {"pushes", "new-plans", "landing-region"}  # without any they draw nothing
     assert {"ellipsoids", "com", "forces", "trails", "ghost", "landing"} == AT_FIRST - of_pushes
     assert of_pushes < AT_FIRST
+
+
+def test_the_legend_has_the_colour_of_every_overlay_that_is_drawn():
+    shown = picture(layers=OVERLAYS, simulation=True)
+    shown = replace(shown, rollout=synthetic_rollout(shown.planned.plan))
+    colours = [colour for colour, _ in legend_of(shown)]
+    for name in OVERLAYS:
+        for colour, _ in OVERLAYS[name].legend(shown):
+            assert colour in colours, name
+    few = legend_of(replace(shown, layers=frozenset({"com", "trails"})))
+    assert [words for _, words in few] == ["trails"]

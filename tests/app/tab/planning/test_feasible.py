@@ -108,3 +108,17 @@ def test_beyond_the_usual_requests_a_track_is_plain_and_its_sentence_is_of_what_
     assert track["chances"][: len(known)] == known
     assert "whole slider" not in track["text"]
     assert None not in page.shown[0]["id of lateral"]["chances"]
+
+
+def test_while_another_robot_is_loaded_no_track_is_of_the_one_before(tab, page):
+    tint = Tint(page, SLIDERS)
+    tint.draw(tab.state)
+    tab.move(robot="slider")
+    assert not tab.state.ready
+    tint.draw(tab.state)
+    tint.draw(tab.state)
+    assert len(page.shown) == 2
+    assert set(page.shown[1]) == {*SLIDERS.values()}
+    for shown in page.shown[1].values():
+        assert (shown["chances"], shown["range"]) == ([], "")
+        assert "before the robot is loaded" in shown["text"]
