@@ -13,7 +13,7 @@ ALL = "all"
 EACH = "a chart each"
 
 OVERVIEW, TORQUES, LANDING = "Overview", "Joint torques and speeds", "Landing"
-FEW = "Yaw and force"  # Of a small page
+FEW = "Two charts"  # Of a small page
 OWN = "Custom"  # Name of charts that are no preset
 
 MOST_SIGNALS = 4  # in one chart
@@ -127,7 +127,7 @@ PRESETS: Mapping[str, PlotChoice] = {
     OVERVIEW: _all(
         ("base_angle", "yaw"), ("angular_velocity", "z"), ("inertia", "zz"), ("vertical_force", "")
     ),
-    FEW: _all(("base_angle", "yaw"), ("vertical_force", "")),
+    FEW: _all(("angular_velocity", "z"), ("inertia", "zz")),
     "Base angles": _each("base_angle"),
     "Base rates": _each("angular_velocity"),
     "CoM position": _each("com"),
@@ -159,7 +159,7 @@ def compared(axis: str) -> PlotChoice:
 
 _FLAT = math.radians(3)  # rad of twist; less is no turn to look at
 _FORCE = ("vertical_force", "")
-# What a jump is about -> its overview, of which a small page shows the first chart and the forces.
+# What a jump is about -> its overview.
 _ABOUT: Mapping[str, tuple[tuple[str, str], ...]] = {
     "twist": (("base_angle", "yaw"), ("angular_velocity", "z"), ("inertia", "zz"), _FORCE),
     "pitch": (("turned", "y"), ("angular_velocity", "y"), ("inertia", "yy"), _FORCE),
@@ -167,10 +167,15 @@ _ABOUT: Mapping[str, tuple[tuple[str, str], ...]] = {
     "forward": (("com", "z"), ("com", "x"), ("base_angle", "pitch"), _FORCE),
     "lateral": (("com", "z"), ("com", "y"), ("base_angle", "roll"), _FORCE),
 }
-_CHARTS = {
-    (name, about): _all(*(charts if name == OVERVIEW else (charts[0], _FORCE))).charts
-    for name in (OVERVIEW, FEW)
+# Of which a small page shows two: of a turn how its rate follows from the inertia.
+_FEW_ABOUT = {
+    about: (charts[0], _FORCE) if about in ("forward", "lateral") else charts[1:3]
     for about, charts in _ABOUT.items()
+}
+_CHARTS = {
+    (name, about): _all(*charts).charts
+    for name, overviews in ((OVERVIEW, _ABOUT), (FEW, _FEW_ABOUT))
+    for about, charts in overviews.items()
 }
 
 
