@@ -161,7 +161,9 @@ def _clause(way: Way, *, of_models: bool, follows: bool) -> str:
         words = f"at touchdown {who} is {amount} off its plan in {turn.axis}{how}"
     if follows:
         words = f"{who} {amount}" if of_models else f"{amount}{how}"
-    about = _about_model(turn) if of_models else f"feet {_feet(way)} mm off at the end"
+    about = f"feet {_feet(way)} mm off at the end"
+    if of_models:
+        about = _about_model(turn, follows=follows)
     after = "" if fell is None else f", and falls at {decimal(fell, 2)} s"
     return f"{words} ({about}){after}"
 
@@ -172,14 +174,16 @@ def _condition(name: str) -> str:
     return words if words.startswith("with") else f"with {words}"
 
 
-def _about_model(turn: Turning) -> str:
-    inertia = f"{_INERTIA[turn.axis]} {_inertia_words(turn)} kg m²"
+def _about_model(turn: Turning, *, follows: bool) -> str:
+    """`follows`: another clause has said where, and the unit."""
+    where, unit = ("", "") if follows else (" in flight", " kg m²")
+    inertia = f"{_INERTIA[turn.axis]} {_inertia_words(turn)}{unit}"
     if turn.in_flight is None:
         return inertia
     amount = degrees(abs(turn.in_flight))
     if not turn.requested or amount == degrees(0.0):
         return f"{amount} in flight, {inertia}"
-    return f"{amount} {'lost' if turn.in_flight < 0 else 'gained'} in flight, {inertia}"
+    return f"{amount} {'lost' if turn.in_flight < 0 else 'gained'}{where}, {inertia}"
 
 
 def _inertia_words(turn: Turning) -> str:

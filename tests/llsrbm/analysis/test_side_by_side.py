@@ -34,8 +34,8 @@ def test_each_way_has_its_turn_and_its_inertia_and_the_best_is_named():
     text = sentence([Way("SRBM", held), Way("LL-SRBM", drawn_in)])
     assert text == (
         "At touchdown SRBM has turned 3.4° less than planned (8.0° lost in flight, Izz held at "
-        f"{standing:.2f} kg m²); LL-SRBM 1.1° less (0.6° gained in flight, Izz "
-        f"{0.96 * standing:.2f} → {0.9 * standing:.2f} kg m²): LL-SRBM foresees the flight best."
+        f"{standing:.2f} kg m²); LL-SRBM 1.1° less (0.6° gained, Izz "
+        f"{0.96 * standing:.2f} → {0.9 * standing:.2f}): LL-SRBM foresees the flight best."
     )
 
 
