@@ -24,7 +24,7 @@ def test_formats_stand_under_what_they_are_for_and_some_cannot_be_chosen(page, s
     items = shown.get_by_role("listitem")
     assert items.count() == len(FORMATS)
     lowcmd = items.filter(has_text="lowcmd")
-    assert "anymal has no table" in lowcmd.inner_text()
+    assert "ANYmal B has no table" in lowcmd.inner_text()
     assert lowcmd.get_by_role("button").count() == 0
     assert "anymal_twist90_unitree.csv" in items.filter(has_text="unitree-csv").inner_text()
     assert shown.evaluate("each => each.scrollWidth === each.clientWidth")

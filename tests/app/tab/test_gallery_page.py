@@ -41,7 +41,7 @@ def test_a_motion_of_the_library_is_filtered_and_opened(page):
     shown = page.get_by_role("dialog", name="Examples")
     section = shown.get_by_role("region", name="Library")
     motions = [motion for motion in gallery.motions() if motion["kind"] == "Pirouette"]
-    section.get_by_label("Kind").select_option("pirouette")
+    section.get_by_label("Kind").select_option("Pirouette")
     buttons = section.locator(".motions button")
     assert buttons.count() == len(motions)
     buttons.first.scroll_into_view_if_needed()
