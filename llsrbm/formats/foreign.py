@@ -36,14 +36,13 @@ def checked_rate(value: Any, where: str) -> float:
     return float(value)
 
 
-def one_rate(rates: Sequence[float], where: str) -> float:
-    """The rate, frames/s, that all accounts of a file have; `FileFormatError`: they differ."""
-    for other in rates:
-        if abs(other - rates[0]) > _SAME_RATE * rates[0]:
-            raise FileFormatError(
-                f"{where}: {rates[0]:g} frames/s by one account, {other:g} by another; expected one"
-            )
-    return rates[0]
+def one_rate(stated: float | None, asked: float | None) -> tuple[float | None, tuple[str, ...]]:
+    """The rate that a file states, else the one that is asked for, frames/s; and a remark where
+    both are there and differ.
+    """
+    if stated is None or asked is None or abs(asked - stated) <= _SAME_RATE * stated:
+        return asked if stated is None else stated, ()
+    return stated, (f"it says {stated:g} frames/s: the {asked:g} asked for do not count",)
 
 
 def joint_columns(

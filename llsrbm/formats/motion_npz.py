@@ -107,11 +107,12 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         velocity = velocity - np.einsum("kij,kj->ki", R_world_base, arm)
     qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
     qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])
-    rates = [checked_rate(arrays["fps"], f'{path}: key "fps"')] if "fps" in arrays else []
-    rates += [] if fps is None else [checked_rate(fps, f"{path}: fps")]
-    if not rates:
+    stated = checked_rate(arrays["fps"], f'{path}: key "fps"') if "fps" in arrays else None
+    asked = None if fps is None else checked_rate(fps, f"{path}: fps")
+    rate, remarks = one_rate(stated, asked)
+    if rate is None:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
-    rate = one_rate(rates, str(path))
+    found = (*remarks, *found)
     return checked_motion(robot, MOTION_NPZ.name, str(path), rate, qpos, qvel, remarks=found)
 
 

@@ -85,8 +85,12 @@ def _write(written: Written, path: Path, options: Options) -> None:
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     beside = read_beside(path)
     rows = _rows(path, robot)
-    given = [rate for rate in (beside.get("fps"), fps) if rate is not None]
-    if not given:
+    stated, asked = (
+        None if each is None else checked_rate(each, f"{path}: fps")
+        for each in (beside.get("fps"), fps)
+    )
+    rate, remarks = one_rate(stated, asked)
+    if rate is None:
         raise FileFormatError(
             f"{path}: the file does not say its rate; expected frames per second with it, or "
             f"{path.name}.meta.json beside it"
@@ -99,8 +103,7 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     order, found = _joints(beside, rows[:, 7:], robot, path)
     _check_columns(beside, rows.shape[1], robot, path)
     qpos = np.hstack([rows[:, :3], rows[:, 3:7][:, _WXYZ], rows[:, 7:][:, order]])
-    rate = one_rate([checked_rate(each, f"{path}: fps") for each in given], str(path))
-    origin = UNITREE_CSV.name
+    origin, found = UNITREE_CSV.name, (*remarks, *found)
     return checked_motion(robot, origin, str(path), rate, qpos, remarks=found, w_first=False)
 
 

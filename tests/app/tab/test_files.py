@@ -272,7 +272,7 @@ def test_the_menu_says_what_cannot_be_written_of_the_robot(tab):
     tab.take(FileChoice("lowcmd"))
     choice = tab.state.file_choice
     assert [choice.title(name) for name in ("npz", "lowcmd")] == ["npz", "lowcmd (not available)"]
-    assert "robot anymal has" in choice.line("lowcmd")
+    assert "ANYmal B has" in choice.line("lowcmd")
     assert not is_enabled(Act.EXPORT, tab.state)
     tab.take(FileChoice("npz"))
     assert is_enabled(Act.EXPORT, tab.state)
@@ -292,7 +292,7 @@ def test_the_dialog_has_every_format_by_what_it_is_for(tab):
     assert len({each["file"] for each in every.values()}) == len(every)
     assert every["unitree-csv"]["file"] == "anymal_twist90_forward1cm_unitree.csv"
     assert every["npz"]["hindrance"] == ""
-    assert "robot anymal has" in every["lowcmd"]["hindrance"]
+    assert "ANYmal B has" in every["lowcmd"]["hindrance"]
     tab.take(Act.SIMULATE)
     tab.finish_simulation()
     assert shown_exports(tab).motion.startswith("the simulation of ANYmal B: 90°")
@@ -323,7 +323,7 @@ def test_a_choice_in_the_dialog_is_the_menus(tab):
     tab.take(ExportChosen("lowcmd"))
     ((title, body),) = tab.notes()
     assert title == "Not exported"
-    assert "robot anymal has" in body
+    assert "ANYmal B has" in body
 
 
 def test_there_is_nothing_to_choose_without_a_motion():
