@@ -1,6 +1,10 @@
 """Which faces of a body are left: those from which a ray leaves it."""
 
+import ctypes
+import os
+
 import numpy as np
+import pytest
 import trimesh
 
 from llsrbm.look.hidden import without_hidden
@@ -52,3 +56,19 @@ def test_what_is_seen_does_not_depend_on_where_the_body_is():
     for part in parts:
         part.apply_transform(turn)
     assert [len(part.faces) for part in without_hidden(parts)] == counts
+
+
+@pytest.mark.skipif(os.name != "posix", reason="only there the C library's seed is set")
+def test_it_is_the_same_in_every_process_whatever_was_drawn_before():
+    """What is seen through a slit hangs on single rays."""
+    box, ball = _box(0.2), trimesh.creation.icosphere(4, 0.08)
+    walls = [_box(0.2, at=(at, 0.0, 0.0)) for at in (-0.21, 0.21)]
+    box.update_faces(np.abs(box.triangles_center[:, 0]) < 0.099)  # open where the walls are near
+    found = []
+    for drawn in (0, 1001):
+        for _ in range(drawn):
+            ctypes.CDLL(None).rand()
+        found.append([part.faces for part in without_hidden([box, ball, *walls])])
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert 0 < len(found[0][1]) < len(ball.faces)

@@ -159,7 +159,7 @@ def test_packed_messages_hold_the_table(tmp_path, robot, form, head, each, motor
 
 @pytest.mark.parametrize(
     ("robot", "message"),
-    [("solo12", "family odri and no LowCmd"), ("anymal", r"robot anymal has no table \[wire\]")],
+    [("solo12", "family odri and no LowCmd"), ("anymal", r"ANYmal B has no table \[wire\]")],
 )
 def test_robots_of_others(tmp_path, robot, message):
     with pytest.raises(InputError, match=message):
