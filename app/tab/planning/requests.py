@@ -110,7 +110,13 @@ def _searches(state: TabState) -> bool:
     return state.far is not None and state.far.running
 
 
-@on(Act.CANCEL, visible=lambda state: state.status.busy or _searches(state))
+def _can_be_cancelled(state: TabState) -> bool:
+    """A page that comes in is at work before anything is asked for."""
+    asked = state.work.newest > 0 or state.work.dragging.rests
+    return (state.status.busy and asked) or _searches(state)
+
+
+@on(Act.CANCEL, visible=_can_be_cancelled)
 def cancel(state: TabState) -> Step:
     """Give up what is being computed; of a request that rests, planning it from scratch."""
     work, searches = state.work, _searches(state)

@@ -39,8 +39,8 @@ def test_its_numbers_are_there_with_a_push(tab, session):
 @pytest.mark.parametrize(
     ("label", "value", "said"),
     [
-        ("Push at [s]", -1.0, "Push at [s]: expected 0 to 10, got -1"),
-        ("Push y [N s]", 1e6, "Push y [N s]: expected -200 to 200, got 1e+06"),
+        ("Push at [s]", -1.0, "Push at [s]: expected 0 to 10, got −1"),
+        ("Push y [N s]", 1e6, "Push y [N s]: expected −200 to 200, got 1e+06"),
         ("Push y [N s]", math.nan, "Push y [N s]: expected a number, got nan"),
     ],
 )

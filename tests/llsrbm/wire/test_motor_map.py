@@ -125,7 +125,7 @@ def test_numbers_without_a_motor_are_left_out(tmp_path):
 
 
 def test_a_robot_without_the_table_has_no_wire():
-    with pytest.raises(InputError, match=r"ANYmal B has no table \[wire\]; expected"):
+    with pytest.raises(InputError, match=r"ANYmal B has no table \[wire\] of its motors; expected"):
         MotorMap.of(load_robot("anymal"))
 
 
