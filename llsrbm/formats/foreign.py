@@ -36,13 +36,13 @@ def checked_rate(value: Any, where: str) -> float:
     return float(value)
 
 
-def one_rate(stated: float | None, asked: float | None) -> tuple[float | None, tuple[str, ...]]:
+def one_rate(stated: float | None, requested: float | None) -> tuple[float | None, tuple[str, ...]]:
     """The rate that a file states, else the one that is asked for, frames/s; and a remark where
     both are there and differ.
     """
-    if stated is None or asked is None or abs(asked - stated) <= _SAME_RATE * stated:
-        return asked if stated is None else stated, ()
-    return stated, (f"it says {stated:g} frames/s: the {asked:g} asked for do not count",)
+    if stated is None or requested is None or abs(requested - stated) <= _SAME_RATE * stated:
+        return requested if stated is None else stated, ()
+    return stated, (f"it says {stated:g} frames/s: the {requested:g} asked for do not count",)
 
 
 def joint_columns(

@@ -108,8 +108,8 @@ def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     qpos = np.hstack([values["body_pos_w"][:, 0], quat, values["joint_pos"][:, columns]])
     qvel = np.hstack([velocity, angular_velocity, values["joint_vel"][:, columns]])
     stated = checked_rate(arrays["fps"], f'{path}: key "fps"') if "fps" in arrays else None
-    asked = None if fps is None else checked_rate(fps, f"{path}: fps")
-    rate, remarks = one_rate(stated, asked)
+    requested = None if fps is None else checked_rate(fps, f"{path}: fps")
+    rate, remarks = one_rate(stated, requested)
     if rate is None:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second')
     found = (*remarks, *found)

@@ -85,11 +85,11 @@ def _write(written: Written, path: Path, options: Options) -> None:
 def _read(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     beside = read_beside(path)
     rows = _rows(path, robot)
-    stated, asked = (
+    stated, requested = (
         None if each is None else checked_rate(each, f"{path}: fps")
         for each in (beside.get("fps"), fps)
     )
-    rate, remarks = one_rate(stated, asked)
+    rate, remarks = one_rate(stated, requested)
     if rate is None:
         raise FileFormatError(
             f"{path}: the file does not say its rate; expected frames per second with it, or "

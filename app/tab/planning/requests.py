@@ -111,9 +111,9 @@ def _searches(state: TabState) -> bool:
 
 
 def _can_be_cancelled(state: TabState) -> bool:
-    """A page that comes in is at work before anything is asked for."""
-    asked = state.work.newest > 0 or state.work.dragging.rests
-    return (state.status.busy and asked) or _searches(state)
+    """A page that comes in is at work before anything is requested."""
+    requested = state.work.newest > 0 or state.work.dragging.rests
+    return (state.status.busy and requested) or _searches(state)
 
 
 @on(Act.CANCEL, visible=_can_be_cancelled)
