@@ -36,11 +36,16 @@ def checked_rate(value: Any, where: str) -> float:
     return float(value)
 
 
+def is_same_rate(one: float, other: float) -> bool:
+    """Whether two rates are the same but for how they are rounded."""
+    return abs(one - other) <= _SAME_RATE * other
+
+
 def one_rate(stated: float | None, requested: float | None) -> tuple[float | None, tuple[str, ...]]:
     """The rate that a file states, else the one that is asked for, frames/s; and a remark where
     both are there and differ.
     """
-    if stated is None or requested is None or abs(requested - stated) <= _SAME_RATE * stated:
+    if stated is None or requested is None or is_same_rate(requested, stated):
         return requested if stated is None else stated, ()
     return stated, (f"it says {stated:g} frames/s: the {requested:g} asked for do not count",)
 

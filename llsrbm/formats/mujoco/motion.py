@@ -17,6 +17,7 @@ from llsrbm.formats.foreign import (
     MOST_FRAMES,
     checked_motion,
     checked_rate,
+    is_same_rate,
     joint_columns,
     one_rate,
 )
@@ -78,8 +79,8 @@ def read_motion(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         for key, root in (("qpos", _ROOT), ("qvel", _ROOT - 1))
         if key in values
     }
-    time = _times(arrays, values.get("time"), fps, where)
-    qpos, qvel = ordered["qpos"], ordered.get("qvel")
+    time, remarks = _times(arrays, values.get("time"), fps, where)
+    qpos, qvel, found = ordered["qpos"], ordered.get("qvel"), (*remarks, *found)
     return checked_motion(robot, "mujoco", where, time, qpos, qvel, remarks=found)
 
 
@@ -132,26 +133,34 @@ def _names(arrays: Arrays, count: int, where: str) -> list[str]:
     return names[len(free) :]
 
 
-def _times(arrays: Arrays, time: Array | None, given: float | None, where: str) -> float | Array:
-    """Frames/s, or (K,) s from 0 on if they are not even."""
+def _times(
+    arrays: Arrays, time: Array | None, given: float | None, where: str
+) -> tuple[float | Array, tuple[str, ...]]:
+    """Frames/s, or (K,) s from 0 on if they are not even; and remarks on a rate that was given."""
     rates = [
         checked_rate(arrays[key], f'{where}: key "{key}"')
         for key in ("fps", "frequency")
         if key in arrays
     ]
-    rates += [] if given is None else [checked_rate(given, f"{where}: fps")]
+    requested = None if given is None else checked_rate(given, f"{where}: fps")
     if time is not None and len(time) > 1:
         steps = np.diff(time)
         mean = float(time[-1] - time[0]) / len(steps)
         if not (steps > 0).all():
             raise FileFormatError(f'{where}: key "time": expected seconds that increase')
         if np.abs(steps - mean).max() > _EVEN * mean:
-            if rates:
+            if rates or requested:
                 raise FileFormatError(
                     f"{where}: its frames are not even, by its own times; expected no rate for them"
                 )
-            return time - time[0]
+            return time - time[0], ()
         rates.append(checked_rate(1 / mean, f'{where}: key "time"'))
-    if not rates:
+    for other in rates:
+        if not is_same_rate(other, rates[0]):
+            raise FileFormatError(
+                f"{where}: {rates[0]:g} frames/s by one account, {other:g} by another; expected one"
+            )
+    rate, remarks = one_rate(rates[0] if rates else None, requested)
+    if rate is None:
         raise FileFormatError(f"{where}: it does not say its rate; expected {_RATE}")
-    return one_rate(rates, where)
+    return rate, remarks
