@@ -125,7 +125,7 @@ def _names(beside: dict[str, Any], count: int, robot: Robot) -> Any:
 
 def _check_columns(beside: dict[str, Any], width: int, robot: Robot, path: Path) -> None:
     """Raise `FileFormatError` if the file beside the table has other columns, or in other units."""
-    names = _names(beside, width - 7, robot)
+    names = _names(beside, width - len(_ROOT), robot)
     every = urdf_joints(robot)
     units = dict(zip(every.joints, every.units, strict=True))
     for key, expected in (

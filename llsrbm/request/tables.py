@@ -110,7 +110,7 @@ def validated(
         keys = {_key(model, detail) for detail in details}
         more = f" (and {len(keys) - 1} more)" if len(keys) > 1 else ""
         raise error(f"{where}: {_sentence(model, details[0])}{more}") from reason
-    for key, number in _numbers(found, ""):
+    for key, number in _numbers(found, "") if largest < math.inf else ():
         if abs(number) > largest:
             raise error(
                 f"{where}: {printable(key)}: expected a number up to {largest:g} either way, got "

@@ -94,7 +94,8 @@ class Solver(ABC):
         return self._problem.megabytes + self._megabytes_made()
 
     def _megabytes_made(self) -> float:
-        return sum(WORK_VECTORS * 8e-6 * made.sz_w() for made in self._made.values())
+        # A solve that was abandoned may go on in its thread, and add one meanwhile.
+        return sum(WORK_VECTORS * 8e-6 * made.sz_w() for made in tuple(self._made.values()))
 
     def _nlpsol_for(self, options: Options, make: Callable[[], ca.Function]) -> ca.Function:
         """The nlpsol of these options; those not used for longest go where memory is short."""
