@@ -2,12 +2,14 @@
 
     python -m benchmarks.library replay --a-robot 8 --seeds 0:2
     python -m benchmarks.library strict --a-robot 8 --seeds 7000:7002
+    python -m benchmarks.library outside --a-robot 8
 
 `replay` exports each motion for MuJoCo and runs the script of that folder, which knows neither this
 package nor which feet touch, and disturbs trunk, friction, contacts and delay by its seed; a motion
 stands if the script says so. `strict` simulates each with everything disturbed that
 `llsrbm.simulation.disturbance` disturbs; motions were kept because they were strict with two other
-seeds. The motions of a robot are evenly taken from its list, all kinds among them.
+seeds. `outside` checks each as `benchmarks.outside` does, by its exports alone. The motions of a
+robot are evenly taken from its list, all kinds among them.
 """
 
 import subprocess
@@ -23,6 +25,8 @@ import typer
 
 import llsrbm
 from benchmarks.counting import seeds_of
+from benchmarks.outside import exported, findings
+from benchmarks.outside import outside as robot_outside
 from llsrbm.library import Card, Library, shipped
 
 app = typer.Typer(help=__doc__, add_completion=False)
@@ -85,6 +89,20 @@ def strict(folder: Folder = None, a_robot: ARobot = 0, seeds: str = "7000:7002")
         seeds_of(seeds),
         lambda plan, drawn: [llsrbm.simulate(plan, seed=seed).outcome.strict for seed in drawn],
     )
+
+
+@app.command()
+def outside(folder: Folder = None, a_robot: ARobot = 0) -> None:
+    """How many motions hold for a checker of others; what does not hold is printed."""
+
+    def holds(plan: llsrbm.Plan, _: range) -> list[bool]:
+        robot = robot_outside(plan.jump.robot)
+        broken = [found for found in findings(exported(plan, robot), robot) if not found[-1]]
+        for check, worst, _held in broken:
+            print(f"  {check} {worst:.3f}", flush=True)
+        return [not broken]
+
+    counted(folder, a_robot, range(1), holds)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +11,12 @@ import numpy as np
 from llsrbm.atlas.colours import SCALE, of_stop
 from llsrbm.atlas.jumps import words_of
 from llsrbm.atlas.map import Map
-from llsrbm.errors import Error, InputError
+from llsrbm.files.picture import check_picture, write_figure
 from llsrbm.look.palette import Rgb
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-SUFFIXES = (".png", ".svg", ".pdf")
-"""Of pictures that can be written."""
 
 _WIDTH, _HEIGHT = 3.4, 3.3  # inches of a map
 _DPI = 120  # three maps beside each other are as wide as a page of the README
@@ -32,13 +28,10 @@ _NONE: dict[str, Any] = {"facecolor": "0.93", "hatch": "////", "edgecolor": "0.7
 def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> None:
     """Draw maps of one colour side by side, under their titles; the target's suffix is its kind.
 
-    Raises `InputError`: matplotlib is not installed, or no picture has such a suffix; `Error`: the
-    file cannot be written.
+    Raises `InputError`: matplotlib is not installed, no picture has such a suffix, or the file
+    cannot be written.
     """
-    if target.suffix not in SUFFIXES:
-        raise InputError(f"{target}: expected a name that ends in one of {', '.join(SUFFIXES)}")
-    if find_spec("matplotlib") is None:
-        raise InputError('pictures need matplotlib; expected pip install "llsrbm[pictures]"')
+    check_picture(target)
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(_WIDTH * len(maps) + 0.6, _HEIGHT), dpi=_DPI, layout="constrained")
@@ -47,10 +40,7 @@ def write_picture(maps: Sequence[Map], titles: Sequence[str], target: Path) -> N
         _draw(axes, drawn, title, ends=_ends(maps))
     row[0].set_ylabel(maps[0].y.axis.heading)
     _explain(figure, row, maps)
-    try:
-        figure.savefig(target)
-    except OSError as error:
-        raise Error(f"{target}: cannot be written ({error.strerror or error})") from error
+    write_figure(figure, target)
 
 
 def _ends(maps: Sequence[Map]) -> tuple[float, float]:

@@ -1,13 +1,13 @@
 """The certificate: all findings of a motion."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 from llsrbm.certificate.contacts import ContactForce, Friction, Slip
 from llsrbm.certificate.distances import Clearance, SelfDistance
 from llsrbm.certificate.dynamics import Dynamics
-from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.finding import Check, Finding, Profile
 from llsrbm.certificate.joints import JointPosition, JointSpeed, JointTorque, TorqueAtSpeed
 from llsrbm.certificate.power import (
     BatteryCurrent,
@@ -16,7 +16,7 @@ from llsrbm.certificate.power import (
     Regeneration,
     WindingHeat,
 )
-from llsrbm.certificate.sampled_motion import AnyMotion, SampledMotion
+from llsrbm.certificate.sampled_motion import AnyMotion, SampledMotion, sampled
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -25,12 +25,12 @@ from llsrbm.robots.robot import Robot
 
 _Own = TypeVar("_Own", bound=Plan | Rollout)
 
-CHECKS: tuple[Check, ...] = (
-    *(JointPosition(), JointSpeed(), JointTorque(), TorqueAtSpeed()),
-    *(Regeneration(), BatteryCurrent(), WindingHeat()),
-    *(Friction(), ContactForce(), Slip()),
-    *(SelfDistance(), Clearance()),
-    Dynamics(),
+CHECKS: tuple[type[Check], ...] = (
+    *(JointPosition, JointSpeed, JointTorque, TorqueAtSpeed),
+    *(Regeneration, BatteryCurrent, WindingHeat),
+    *(Friction, ContactForce, Slip),
+    *(SelfDistance, Clearance),
+    Dynamics,
 )
 
 
@@ -38,11 +38,13 @@ CHECKS: tuple[Check, ...] = (
 class Certificate:
     """Findings of all checks, in the order of `CHECKS`; `certificate["friction"]` is one.
 
-    `power`: what the motion asks of drives and battery, where it was sampled for it.
+    `power`: what the motion asks of drives and battery, where it was sampled for it; `profiles`:
+    check -> what it finds along the motion, where that is known.
     """
 
     findings: tuple[Finding, ...]
     power: PowerForecast = field(default_factory=PowerForecast)
+    profiles: Mapping[str, Profile] = field(default_factory=dict, compare=False)
 
     def __iter__(self) -> Iterator[Finding]:
         return iter(self.findings)
@@ -79,11 +81,22 @@ def certify(motion: AnyMotion, robot: Robot | None = None) -> Certificate:
         InputError: the robot has other joints by now than the motion; it is no motion.
         RobotFileError: the robot is not there.
     """
-    sampled = SampledMotion.of(motion, robot)
-    power = DrivePower.of(sampled)
+    return certify_stretches(sampled(motion, robot))
+
+
+def certify_stretches(stretches: Iterable[SampledMotion]) -> Certificate:
+    """Check a motion that comes in stretches, each from the last instant of the one before."""
+    checks, forecast = [check() for check in CHECKS], PowerForecast()
+    for stretch in stretches:
+        for check in checks:
+            check.take(stretch)
+        power = DrivePower.of(stretch)
+        if power is not None:
+            forecast = forecast.then(power.forecast())
     return Certificate(
-        tuple(check.find(sampled) for check in CHECKS),
-        PowerForecast() if power is None else power.forecast(),
+        tuple(check.finding for check in checks),
+        forecast,
+        {check.name: profile for check in checks if (profile := check.profile) is not None},
     )
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from llsrbm.arrays import Array, stretches
-from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.finding import Check
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.mechanics import cross
 from llsrbm.motion.rollout import Rollout
@@ -24,10 +24,11 @@ class Friction(Check):
 
     name, unit = "friction", ""
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The foot nearest to slipping."""
         if motion.forces is None:
-            return self.unknown(NO_FORCES)
+            self.unknown(NO_FORCES)
+            return
         across = motion.normals[:, :, None]
         normal = (motion.forces * across).sum(axis=-1)
         tangential = np.linalg.norm(motion.forces - normal[..., None] * across, axis=-1)
@@ -36,7 +37,7 @@ class Friction(Check):
         slight = np.linalg.norm(motion.forces, axis=-1) < SLIGHT * motion.weight
         # What pulls is a matter of `ContactForce`.
         shares = np.where(pulls | slight, 0.0, shares).max(axis=2)
-        return self.largest(motion, shares, motion.friction, motion.robot.leg_names)
+        self.largest(motion, shares, motion.friction, motion.robot.leg_names)
 
 
 class ContactForce(Check):
@@ -48,10 +49,11 @@ class ContactForce(Check):
 
     name, unit = "contact_force", "N"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The foot that is pulled or floats most."""
         if motion.forces is None:
-            return self.unknown(NO_FORCES)
+            self.unknown(NO_FORCES)
+            return
         normal = (motion.forces * motion.normals[:, :, None]).sum(axis=-1)
         pulls = np.maximum(-normal.min(axis=2), 0.0)
         # A tick of a rollout in which a foot lands or leaves begins or ends in the air.
@@ -60,7 +62,7 @@ class ContactForce(Check):
             standing = standing | np.abs(motion.forces).sum(axis=(2, 3)).astype(bool)
         floating = np.where(standing, 0.0, np.linalg.norm(motion.forces, axis=-1).sum(axis=2))
         shares = 1 + np.maximum(pulls, floating) / motion.weight
-        return self.largest(motion, shares, 0.0, motion.robot.leg_names)
+        self.largest(motion, shares, 0.0, motion.robot.leg_names)
 
 
 class Slip(Check):
@@ -75,22 +77,32 @@ class Slip(Check):
 
     name, unit = "slip", "m"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def __init__(self) -> None:
+        super().__init__()
+        # leg -> (c, 3) m: where the points of a foot that still stands came to stand, and how far
+        # those by which it touches have moved since.
+        self._stand: dict[int, tuple[Array, Array]] = {}
+
+    def take(self, motion: SampledMotion) -> None:
         """The foot that moves furthest."""
         moved = np.zeros(motion.contact.shape)
-        of_stretches = [_feet(some) for _, some in motion.stretches()]
-        places, velocities = (np.concatenate(each) for each in zip(*of_stretches, strict=True))
+        places, velocities = _feet(motion)
+        stand, self._stand = self._stand, {}
         for leg in range(len(motion.robot.legs)):
             for first, end in stretches(motion.contact[:, leg]):
                 span = slice(first, end)
-                time = motion.time[span]
-                middle = places[span, leg] - places[first, leg]
-                speed = velocities[span, leg]
+                came, rolled = places[first, leg], np.zeros_like(places[first, leg])
+                if first == 0:
+                    came, rolled = stand.get(leg, (came, rolled))
+                speed, time = velocities[span, leg], motion.time[span]
                 steps = (speed[1:] + speed[:-1]) / 2 * np.diff(time)[:, None, None]
-                touching = np.concatenate([np.zeros((1, *steps.shape[1:])), np.cumsum(steps, 0)])
-                ways = [np.linalg.norm(way, axis=-1).max(axis=-1) for way in (middle, touching)]
+                touching = np.cumsum(np.concatenate([rolled[None], steps]), axis=0)
+                both = places[span, leg] - came, touching
+                ways = [np.linalg.norm(way, axis=-1).max(axis=-1) for way in both]
                 moved[span, leg] = np.minimum(*ways)
-        return self.largest(motion, moved, SLIP, motion.robot.leg_names, allowed=SLIP)
+                if end == len(motion.contact):
+                    self._stand[leg] = came, touching[-1]
+        self.largest(motion, moved, SLIP, motion.robot.leg_names, allowed=SLIP)
 
 
 def _feet(motion: SampledMotion) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ import coal
 import numpy as np
 
 from llsrbm.arrays import Array
-from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.finding import Check
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.block import Block
 from llsrbm.motion.rollout import Rollout
@@ -34,16 +34,18 @@ class SelfDistance(Check):
 
     name, unit = "self_distance", "m"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The nearest pair of links."""
         shapes = LinkShapes.of(motion.robot)
         if not shapes.pairs:
-            return self.nothing("no links can meet")
+            self.nothing("no links can meet")
+            return
         if (lost := motion.lost) is not None:
-            return self.least(motion, -np.inf, lost, float(shapes.apart.max()), "")
+            self.least(motion, -np.inf, lost, float(shapes.apart.max()), "")
+            return
         distance, instant, pair = shapes.least(motion.q, shapes.apart)
         apart = float(shapes.apart[shapes.pairs.index(pair)])
-        return self.least(motion, distance, instant, apart, " - ".join(pair))
+        self.least(motion, distance, instant, apart, " - ".join(pair))
 
 
 class Clearance(Check):
@@ -56,21 +58,22 @@ class Clearance(Check):
 
     name, unit = "clearance", "m"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def __init__(self) -> None:
+        super().__init__()
+        self._around: Surroundings | None = None
+
+    def take(self, motion: SampledMotion) -> None:
         """The link that is nearest to its surroundings, or deepest in them."""
-        around = _around(motion)
-        if around is None:
-            return self.unknown("no foot stands, so the height of the ground is not known")
+        if self._around is None:
+            self._around = _around(motion)
+        if self._around is None:
+            self.unknown("no foot stands, so the height of the ground is not known")
+            return
         if (lost := motion.lost) is not None:
-            return self.least(motion, -np.inf, lost, TOUCHING, "")
-        geometries = [shape.geometry() for shape in link_shapes(motion.robot)]
-        found = (np.inf, 0, "")
-        for first, some in motion.stretches():
-            distance, instant, name = _nearest(some, around, geometries, found[0])
-            if distance < found[0]:
-                found = distance, first + instant, name
-        distance, instant, name = found
-        return self.least(motion, distance, instant, TOUCHING, name)
+            self.least(motion, -np.inf, lost, TOUCHING, "")
+            return
+        distance, instant, name = _nearest(motion, self._around)
+        self.least(motion, distance, instant, TOUCHING, name)
 
 
 def _around(motion: SampledMotion) -> Surroundings | None:
@@ -86,17 +89,10 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     return Surroundings(float(np.median(heights[lowest])), ())
 
 
-def _nearest(
-    motion: SampledMotion,
-    around: Surroundings,
-    geometries: Sequence[coal.ShapeBase],
-    known: float,
-) -> tuple[float, int, str]:
-    """The least distance, m, its instant's number, and what is that near to what.
-
-    `geometries`: of the links' shapes; `known`: m, which it is where nothing comes nearer.
-    """
+def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, str]:
+    """The least distance, m, its instant's number, and what is that near to what."""
     shapes, bodies = link_shapes(motion.robot), around.solids
+    geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(block.rotation, block.centre) for block in bodies]
     rotation, centre = _placed(motion, shapes)
@@ -115,7 +111,7 @@ def _nearest(
         s = pair // len(boxes)
         return way_of(rotation[:, s], middle[:, s], radii[s])
 
-    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, way, known)
+    least, instant, pair = least_distance(bound.reshape(len(bound), -1), measure, way)
     s, b = divmod(pair, len(boxes))
     return least, instant, f"{shapes[s].link} - {bodies[b].name}"
 

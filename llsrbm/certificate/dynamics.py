@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.finding import Check
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.motion.rollout import Rollout
 
@@ -20,18 +20,20 @@ class Dynamics(Check):
 
     name, unit = "dynamics", "N"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The largest remainder, force or moment."""
         if motion.effort is None:
-            return self.unknown(NO_FORCES)
+            self.unknown(NO_FORCES)
+            return
         if isinstance(motion.source, Rollout) and motion.source.pushes:
-            return self.unknown("pushes act beside the contacts")
+            self.unknown("pushes act beside the contacts")
+            return
         force, moment = (np.linalg.norm(motion.effort[:, rows], axis=1) for rows in _ROWS)
         weight = motion.weight
         shares = np.column_stack([force / weight, moment / (ARM * weight)])
         if motion.whole_feet:
             shares[:, 1] = 0.0
-        return self.largest(motion, shares, weight, ("force", "moment"), allowed=SHARE)
+        self.largest(motion, shares, weight, ("force", "moment"), allowed=SHARE)
 
 
 _ROWS = slice(0, 3), slice(3, 6)

@@ -1,7 +1,9 @@
 """A finding of a check: the worst value of a motion, its limit, and whether that holds."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -13,6 +15,7 @@ from llsrbm.motion.trajectory import json_value
 from llsrbm.number_text import decimal, percent
 
 ALLOWANCE = 0.01  # of a limit: beyond it a share does not hold
+INSTANTS = 20  # of a profile's stretches: 20 ms
 
 
 @dataclass(frozen=True)
@@ -76,54 +79,111 @@ LENGTHS = ("slip", "self_distance", "clearance")
 """Checks whose worst value is in m."""
 
 
+@dataclass(frozen=True, eq=False)
+class Profile:
+    """Worst values that a check finds along a motion, in each of N short stretches.
+
+    Attributes:
+        begin, end: (N,) s of the stretches, in the motion's own time.
+        worst: (N,) as `Finding.worst`; `allowed`: as there.
+    """
+
+    begin: Array
+    end: Array
+    worst: Array
+    allowed: float
+
+
 class Check(ABC):
-    """One check of a motion; the docstring of each says what its worst value means."""
+    """One check of a motion; the docstring of each says what its worst value means.
+
+    It takes a motion in stretches, each of which begins with the instant at which the one before
+    ended: so intervals count once, and what holds on from stretch to stretch is kept by the check.
+    """
 
     name: ClassVar[str]
     unit: ClassVar[str]
 
+    def __init__(self) -> None:
+        self._worst: Finding | None = None
+        self._how_bad = -np.inf  # the worst is: larger is worse
+        self._beyond: dict[str, float] = defaultdict(float)  # s, of each joint, foot or pair
+        self._profile: list[tuple[Array, Array, Array]] = []
+
     @abstractmethod
-    def find(self, motion: SampledMotion) -> Finding:
-        """The worst value of the motion."""
+    def take(self, motion: SampledMotion) -> None:
+        """Look at the next stretch of the motion."""
 
-    def unknown(self, why: str) -> Finding:
-        """That nothing can be known."""
-        return Finding(self.name, None, None, self.unit, "", None, None, why=why)
+    @property
+    def finding(self) -> Finding:
+        """The worst value of what was taken."""
+        assert self._worst is not None
+        beyond = None if self._worst.holds is not False else self._beyond.get(self._worst.where)
+        return replace(self._worst, beyond_s=beyond)
 
-    def nothing(self, why: str) -> Finding:
-        """That there is nothing that could be violated."""
-        return Finding(self.name, None, None, self.unit, "", None, True, why=why)
+    @property
+    def profile(self) -> Profile | None:
+        """The worst values along the motion; None: nothing can be known."""
+        if not self._profile or self._worst is None or self._worst.allowed is None:
+            return None
+        begin, end, worst = (np.concatenate(each) for each in zip(*self._profile, strict=True))
+        return Profile(begin, end, worst, self._worst.allowed)
+
+    def unknown(self, why: str) -> None:
+        """Find that nothing can be known."""
+        self._worst = Finding(self.name, None, None, self.unit, "", None, None, why=why)
+
+    def nothing(self, why: str) -> None:
+        """Find that there is nothing that could be violated."""
+        self._worst = Finding(self.name, None, None, self.unit, "", None, True, why=why)
 
     def largest(
         self,
         motion: SampledMotion,
         values: Array,
         limits: ArrayLike,
-        names: tuple[str, ...],
+        names: Sequence[str],
         allowed: float = 1 + ALLOWANCE,
-    ) -> Finding:
-        """The largest of `values` (K, n), shares of `limits` or lengths, at `names` (n,).
+    ) -> None:
+        """Find the largest of `values` (K, n), shares of `limits` or lengths, at `names` (n,).
 
         `limits` broadcast to the values.
         """
         bad = np.where(np.isnan(values), np.inf, values)  # no number is as bad as can be
+        beyond = bad > allowed
+        if beyond.any():
+            lasting = np.append(np.diff(motion.time), 0.0) @ beyond
+            for name, seconds in zip(names, lasting.tolist(), strict=True):
+                self._beyond[name] += seconds
+        firsts = np.arange(0, len(bad), INSTANTS)
+        lasts = np.minimum(firsts + INSTANTS, len(bad) - 1)
+        worst = np.maximum.reduceat(bad.max(axis=1), firsts)
+        self._profile.append((motion.time[firsts], motion.time[lasts], worst))
         k, n = (int(i) for i in np.unravel_index(np.argmax(bad), bad.shape))
-        worst, limit = float(bad[k, n]), float(np.broadcast_to(limits, bad.shape)[k, n])
-        holds = worst <= allowed
-        beyond = np.append(np.diff(motion.time), 0.0)[bad[:, n] > allowed].sum()
-        return Finding(
-            *(self.name, worst, limit, self.unit, names[n], float(motion.time[k])),
-            holds=holds,
+        if self._worst is not None and not bad[k, n] > self._how_bad:
+            return
+        self._how_bad = largest = float(bad[k, n])
+        limit = float(np.broadcast_to(limits, bad.shape)[k, n])
+        self._worst = Finding(
+            *(self.name, largest, limit, self.unit, names[n], float(motion.time[k])),
+            holds=largest <= allowed,
             allowed=allowed,
-            beyond_s=None if holds else float(beyond),
         )
 
     def least(
         self, motion: SampledMotion, distance: float, instant: int, limit: float, name: str
-    ) -> Finding:
-        """The least distance, m, at an instant of the motion, which has to be `limit` or more."""
-        return Finding(
-            *(self.name, distance, limit, self.unit, name, float(motion.time[instant])),
+    ) -> None:
+        """Find the least distance, m, at an instant of a stretch, which has to be `limit` or more.
+
+        Of several the one that is furthest below its limit is the worst.
+        """
+        time = motion.time
+        self._profile.append((time[:1], time[-1:], np.array([distance])))
+        if self._worst is not None and not limit - distance > self._how_bad:
+            return
+        self._how_bad = limit - distance
+        self._worst = Finding(
+            *(self.name, distance, limit, self.unit, name, float(time[instant])),
             holds=distance >= limit,
             allowed=limit,
         )

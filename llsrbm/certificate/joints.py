@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from llsrbm.certificate.finding import Check, Finding
+from llsrbm.certificate.finding import Check
 from llsrbm.certificate.sampled_motion import NO_TORQUES, SampledMotion
 from llsrbm.robots.drives.torques import FULL_UP_TO
 
@@ -16,17 +16,18 @@ class JointPosition(Check):
 
     name, unit = "joint_position", "rad"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The joint that comes nearest to a stop, or furthest beyond one."""
         lower, upper = motion.robot.joint_stops
         limited = np.isfinite(upper - lower) & (upper > lower)
         if not limited.any():
-            return self.nothing("the URDF states no stops")
+            self.nothing("the URDF states no stops")
+            return
         q, low, high = motion.joint_position[:, limited], lower[limited], upper[limited]
         beyond = np.maximum(low - q, q - high)
         stop = np.where(low - q > q - high, low, high)
         names = tuple(np.array(motion.robot.joint_names)[limited].tolist())
-        return self.largest(motion, 1 + beyond / (high - low), stop, names)
+        self.largest(motion, 1 + beyond / (high - low), stop, names)
 
 
 class JointSpeed(Check):
@@ -34,11 +35,11 @@ class JointSpeed(Check):
 
     name, unit = "joint_speed", "rad/s"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The fastest joint."""
         limit = motion.robot.speed_limit
         shares = np.abs(motion.joint_velocity) / limit
-        return self.largest(motion, shares, limit, motion.robot.joint_names)
+        self.largest(motion, shares, limit, motion.robot.joint_names)
 
 
 class JointTorque(Check):
@@ -50,12 +51,13 @@ class JointTorque(Check):
 
     name, unit = "joint_torque", "Nm"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The most loaded joint."""
         if motion.torque is None:
-            return self.unknown(NO_TORQUES)
+            self.unknown(NO_TORQUES)
+            return
         limit = motion.robot.torque_limit
-        return self.largest(motion, np.abs(motion.torque) / limit, limit, motion.robot.joint_names)
+        self.largest(motion, np.abs(motion.torque) / limit, limit, motion.robot.joint_names)
 
 
 class TorqueAtSpeed(Check):
@@ -69,13 +71,14 @@ class TorqueAtSpeed(Check):
 
     name, unit = "torque_at_speed", "Nm"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The joint nearest to the end of its drive's region, or furthest beyond."""
         if motion.torque is None:
-            return self.unknown(NO_TORQUES)
+            self.unknown(NO_TORQUES)
+            return
         most, fastest = motion.robot.torque_limit, motion.robot.speed_limit
         t, s = np.abs(motion.torque) / most, np.abs(motion.joint_velocity) / fastest
         drives = motion.torque * motion.joint_velocity > 0
         shares = np.where(drives, np.maximum(t, (1 - FULL_UP_TO) * t + s), t)
         there = np.where(drives, np.clip((1 - s) / (1 - FULL_UP_TO), 0.0, 1.0), 1.0) * most
-        return self.largest(motion, shares, there, motion.robot.joint_names)
+        self.largest(motion, shares, there, motion.robot.joint_names)

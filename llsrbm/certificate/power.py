@@ -8,7 +8,8 @@ torque constant k at the joint and the winding's resistance R.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -51,6 +52,28 @@ class PowerForecast:
     def as_dict(self) -> dict[str, Any]:
         """Plain data; null for what is not known or not finite."""
         return {key: json_value(value) for key, value in asdict(self).items()}
+
+    def then(self, later: PowerForecast) -> PowerForecast:
+        """Those of a motion and of one that goes on from its last instant."""
+        if self.peak_w is None or later.peak_w is None:
+            return self if later.peak_w is None else later
+        gives = max(self, later, key=lambda each: each.peak_w or 0.0)
+        takes = max(self, later, key=lambda each: each.back_w or 0.0)
+        heat, more = self.heat_j, later.heat_j
+        return PowerForecast(
+            *(gives.peak_w, gives.peak_s, takes.back_w, takes.back_s),
+            energy_j=_of_both(operator.add, self.energy_j, later.energy_j),
+            energy_back_j=_of_both(operator.add, self.energy_back_j, later.energy_back_j),
+            electrical_peak_w=_of_both(max, self.electrical_peak_w, later.electrical_peak_w),
+            battery_current_a=_of_both(max, self.battery_current_a, later.battery_current_a),
+            heat_j=heat and more and {name: heat[name] + more[name] for name in heat},
+        )
+
+
+def _of_both(
+    of: Callable[[float, float], float], one: float | None, other: float | None
+) -> float | None:
+    return None if one is None or other is None else of(one, other)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,30 +154,41 @@ class Regeneration(Check):
 
     name, unit = "regeneration", "W"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The drive that takes back most."""
         limit = motion.robot.file.limits.regeneration
         if limit is None:
-            return self.nothing("the robot's file has no limits.regeneration")
+            self.nothing("the robot's file has no limits.regeneration")
+            return
         power = DrivePower.of(motion)
         if power is None:
-            return self.unknown(NO_TORQUES)
+            self.unknown(NO_TORQUES)
+            return
         shares = np.maximum(-power.mechanical, 0.0) / limit
-        return self.largest(motion, shares, limit, power.names)
+        self.largest(motion, shares, limit, power.names)
 
 
 class _PowerCut(Check):
     """A limit beyond which the robot cuts its power; `time_s` is then the first instant beyond."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._cut_s: float | None = None
+
     def cut(
         self, motion: SampledMotion, shares: Array, limits: ArrayLike, names: Sequence[str]
-    ) -> Finding:
-        """The largest of `shares` (K, n) of `limits` (n,)."""
-        found = self.largest(motion, shares, limits, tuple(names))
-        if found.holds:
-            return found
+    ) -> None:
+        """Find the largest of `shares` (K, n) of `limits` (n,), and the first beyond."""
         beyond = ~(shares <= 1 + ALLOWANCE).all(axis=1)
-        return replace(found, time_s=float(motion.time[beyond.argmax()]), why=CUT)
+        if self._cut_s is None and beyond.any():
+            self._cut_s = float(motion.time[beyond.argmax()])
+        self.largest(motion, shares, limits, names)
+
+    @property
+    def finding(self) -> Finding:
+        """The worst value of what was taken, at the instant at which the power is cut."""
+        found = super().finding
+        return found if found.holds is not False else replace(found, time_s=self._cut_s, why=CUT)
 
 
 class BatteryCurrent(_PowerCut):
@@ -162,19 +196,21 @@ class BatteryCurrent(_PowerCut):
 
     name, unit = "battery_current", "A"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def take(self, motion: SampledMotion) -> None:
         """The larger share, of what it gives or of what it takes back."""
         battery = motion.robot.file.drives.electrical
         most = (None, None) if battery is None else (battery.current, battery.charge_current)
         if most == (None, None):
-            return self.nothing("the robot's file has no current of its battery")
+            self.nothing("the robot's file has no current of its battery")
+            return
         power = DrivePower.of(motion)
         if power is None or power.current is None:
-            return self.unknown(NO_TORQUES)
+            self.unknown(NO_TORQUES)
+            return
         ways = zip((1.0, -1.0), most, ("battery gives", "battery takes back"), strict=True)
         signs, limits, names = zip(*(way for way in ways if way[1] is not None), strict=True)
         currents = np.maximum(np.outer(power.current, signs), 0.0)
-        return self.cut(motion, currents / np.array(limits), limits, names)
+        self.cut(motion, currents / np.array(limits), limits, names)
 
 
 class WindingHeat(_PowerCut):
@@ -182,12 +218,20 @@ class WindingHeat(_PowerCut):
 
     name, unit = "winding_heat", "J"
 
-    def find(self, motion: SampledMotion) -> Finding:
+    def __init__(self) -> None:
+        super().__init__()
+        self._heat: Array | float = 0.0  # (J,) J so far
+
+    def take(self, motion: SampledMotion) -> None:
         """The drive that comes nearest to its limit."""
         windings = Windings.of(motion.robot)
         if windings is None or np.isinf(windings.heat).all():
-            return self.nothing("the robot's file has no heat of its windings")
+            self.nothing("the robot's file has no heat of its windings")
+            return
         power = DrivePower.of(motion)
         if power is None or power.heat is None:
-            return self.unknown(NO_TORQUES)
-        return self.cut(motion, power.heat / windings.heat, windings.heat, power.names)
+            self.unknown(NO_TORQUES)
+            return
+        heat = self._heat + power.heat
+        self._heat = heat[-1]
+        self.cut(motion, heat / windings.heat, windings.heat, power.names)

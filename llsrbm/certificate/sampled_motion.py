@@ -34,7 +34,7 @@ from llsrbm.robots.placements import placements
 AnyMotion = Plan | Rollout | WholeBodyMotion
 
 RATE = 1000.0  # Hz
-AT_ONCE = 1000  # instants whose links are placed at once, where checks need no more
+AT_ONCE = 1000  # instants of a stretch: places of all links take ten times as much memory as states
 _FIRST = 3e-4  # s: the first instant; with it none falls on a tick of 400, 500 or 1000 Hz
 _STEP = 5e-6  # s to either side, of differences
 _BESIDE = 1e-5  # s from a knot: what is known on that side of it
@@ -74,36 +74,24 @@ class SampledMotion:
     whole_feet: bool
 
     @staticmethod
-    def of(motion: AnyMotion, robot: Robot | None = None) -> SampledMotion:
-        """Sample a motion; `robot`: the one that a plan names, with other drives.
+    def of(motion: Plan | Rollout, robot: Robot | None = None) -> SampledMotion:
+        """Sample the whole of a motion; `robot`: the one that a plan names, with other drives.
 
-        Raises:
-            InputError: its robot has other joints by now; no motion at all.
-            RobotFileError: the robot is not there.
+        Raises as `sampled`.
         """
         if isinstance(motion, Plan):
             return _of_plan(motion, robot or robot_of(motion))
-        if isinstance(motion, Rollout):
-            return _of_rollout(motion)
-        if isinstance(motion, WholeBodyMotion):
-            return _of_states(motion)
-        raise InputError(
-            "motion: expected a Plan, a Rollout or a WholeBodyMotion (`llsrbm.load_motion` opens a "
-            f"file as one), got {type(motion).__name__}"
-        )
+        return _of_rollout(motion)
 
-    def stretches(self) -> Iterator[tuple[int, SampledMotion]]:
-        """It in stretches of at most `AT_ONCE` instants, each with the number of its first one.
-
-        Places of all links, which checks make of each, take ten times as much memory as states.
-        """
+    def stretches(self) -> Iterator[SampledMotion]:
+        """It in stretches, each from the last instant of the one before."""
         per_instant = ("time", "q", "v", "a", "contact", "points", "forces", "recorded_torque")
-        for first in range(0, len(self.time), AT_ONCE):
+        for part in _parts(len(self.time)):
             own: dict[str, Any] = {}
             for name in per_instant:
                 values = getattr(self, name)
-                own[name] = None if values is None else values[first : first + AT_ONCE]
-            yield first, replace(self, **own)
+                own[name] = None if values is None else values[part]
+            yield replace(self, **own)
 
     @property
     def joint_position(self) -> Array:
@@ -157,6 +145,37 @@ class SampledMotion:
         if self.recorded_torque is not None or self.effort is None:
             return self.recorded_torque
         return self.effort[:, 6:] + friction_torque(self.robot, self.joint_velocity)
+
+
+def sampled(motion: AnyMotion, robot: Robot | None = None) -> Iterator[SampledMotion]:
+    """A motion in stretches, each from the last instant of the one before.
+
+    Other tools' motions, which may last for minutes, are sampled stretch by stretch, so that the
+    memory this takes does not grow with their length. `robot`: the one that a plan names, with
+    other drives.
+
+    Raises:
+        InputError: its robot has other joints by now; no motion at all.
+        RobotFileError: the robot is not there.
+    """
+    if isinstance(motion, WholeBodyMotion):
+        yield from _of_states(motion)
+    elif isinstance(motion, Plan | Rollout):
+        yield from SampledMotion.of(motion, robot).stretches()
+    else:
+        raise InputError(
+            "motion: expected a Plan, a Rollout or a WholeBodyMotion (`llsrbm.load_motion` opens a "
+            f"file as one), got {type(motion).__name__}"
+        )
+
+
+def _parts(count: int) -> Iterator[slice]:
+    """Slices of at most `AT_ONCE` of so many instants, each from the last one of the slice before.
+
+    There is one at least.
+    """
+    for first in range(0, max(count - 1, 1), AT_ONCE - 1):
+        yield slice(first, first + AT_ONCE)
 
 
 def _instants(knots: Array, *, both_sides: bool) -> Array:
@@ -225,41 +244,43 @@ def _of_rollout(rollout: Rollout) -> SampledMotion:
     )
 
 
-def _of_states(motion: WholeBodyMotion) -> SampledMotion:
+def _of_states(motion: WholeBodyMotion) -> Iterator[SampledMotion]:
     """Straight between frames, torques and forces those of the frame before.
 
     Between frames a foot stands that does in both: of one that leaves or lands in between it is not
     known when. Where there are forces it stands as long as these last.
     """
     knots, robot = motion.time, motion.robot
-    times = _instants(knots, both_sides=False)
-    frame = np.searchsorted(knots, times, side="right") - 1
-    share = ((times - knots[frame]) / (knots[frame + 1] - knots[frame]))[:, None]
-
-    def straight(values: Array) -> Array:
-        return values[frame] + share * (values[frame + 1] - values[frame])
-
-    qpos, qvel = straight(motion.qpos), straight(motion.qvel)
-    attitude = Slerp(knots, Rotation.from_quat(motion.base_quat, scalar_first=True))
-    qpos[:, 3:7] = attitude(times).as_quat(scalar_first=True)
-    q, v = pinocchio_states(qpos, qvel)
+    instants = _instants(knots, both_sides=False)
+    turning = Slerp(knots, Rotation.from_quat(motion.base_quat, scalar_first=True))
     rates = pinocchio_states(motion.qpos, motion.qvel)[1]
-    forces, points = motion.foot_force, motion.pressed_at
-    contact = motion.contact[frame]
-    if forces is None:
-        contact &= motion.contact[frame + 1]
-    return SampledMotion(
-        source=motion,
-        robot=robot,
-        model=robot.model,
-        time=times,
-        q=q,
-        v=v,
-        a=(np.diff(rates, axis=0) / np.diff(knots)[:, None])[frame],
-        contact=contact,
-        points=None if points is None else points[frame][:, :, None],
-        forces=None if forces is None else forces[frame][:, :, None],
-        recorded_torque=None if motion.joint_torque is None else motion.joint_torque[frame],
-        friction=robot.file.limits.friction,
-        whole_feet=not robot.file.foot.is_point,
-    )
+    accelerations = np.diff(rates, axis=0) / np.diff(knots)[:, None]
+    for part in _parts(len(instants)):
+        times = instants[part]
+        frame = np.searchsorted(knots, times, side="right") - 1
+        share = ((times - knots[frame]) / (knots[frame + 1] - knots[frame]))[:, None]
+        qpos, qvel = (
+            values[frame] + share * (values[frame + 1] - values[frame])
+            for values in (motion.qpos, motion.qvel)
+        )
+        qpos[:, 3:7] = turning(times).as_quat(scalar_first=True)
+        q, v = pinocchio_states(qpos, qvel)
+        forces, points, torque = motion.foot_force, motion.pressed_at, motion.joint_torque
+        contact = motion.contact[frame]
+        if forces is None:
+            contact &= motion.contact[frame + 1]
+        yield SampledMotion(
+            source=motion,
+            robot=robot,
+            model=robot.model,
+            time=times,
+            q=q,
+            v=v,
+            a=accelerations[frame],
+            contact=contact,
+            points=None if points is None else points[frame][:, :, None],
+            forces=None if forces is None else forces[frame][:, :, None],
+            recorded_torque=None if torque is None else torque[frame],
+            friction=robot.file.limits.friction,
+            whole_feet=not robot.file.foot.is_point,
+        )

@@ -22,6 +22,10 @@ def check_command(
     ],
     robot: options.Mover = "anymal",
     fps: options.Fps = None,
+    plot: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw where each limit breaks (png, svg, pdf)."),
+    ] = None,
     as_json: options.AsJson = False,
 ) -> int:
     """Print the certificate of a plan, a simulation or another tool's motion.
@@ -33,15 +37,21 @@ def check_command(
     """
     with console.result_stream(as_json=as_json) as stdout:
         from llsrbm.certificate import certify
+        from llsrbm.certificate.picture import write_picture
+        from llsrbm.files.picture import check_picture
         from llsrbm.formats import load_any, remarks_of
         from llsrbm.motion.robot import robot_of
         from llsrbm.motion.whole_body import WholeBodyMotion
         from llsrbm.robots.drives.stated import known_drives
 
+        if plot is not None:
+            check_picture(plot)
         motion = load_any(file, robot, fps)
         remarks = remarks_of(motion)
         console.print_remarks(remarks)
         certificate = certify(motion)
+        if plot is not None:
+            write_picture(certificate, plot, file.name)
         mover = motion.robot if isinstance(motion, WholeBodyMotion) else robot_of(motion)
         result: dict[str, Any] = {
             "file": str(file),

@@ -37,9 +37,10 @@ def identify_command(
     tau:NAME (rad, rad/s, Nm as commanded) of each joint, a row a command.
     """
     with console.result_stream(as_json=as_json) as stdout:
+        from llsrbm.files.picture import check_picture
         from llsrbm.identification import identify, read_log
         from llsrbm.identification.drives_file import check_place, write_drives
-        from llsrbm.identification.picture import check_picture, write_picture
+        from llsrbm.identification.picture import write_picture
         from llsrbm.robots import load_robot
 
         loaded = load_robot(robot)

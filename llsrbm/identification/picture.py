@@ -4,31 +4,16 @@ from pathlib import Path
 
 import numpy as np
 
-from llsrbm.errors import Error, InputError, require
+from llsrbm.files.picture import check_picture, write_figure
 from llsrbm.identification.fit import Identified
-
-SUFFIXES = (".png", ".svg", ".pdf")
-"""Of pictures that can be written."""
 
 _SHOWN = 4.0  # s, from the log's middle
 _COLUMNS, _WIDTH, _HEIGHT = 3, 3.6, 1.9  # inches of a joint
 _DPI = 100
 
 
-def check_picture(path: Path) -> None:
-    """Raise `InputError`: no picture has such a name, or matplotlib is not installed."""
-    if path.suffix not in SUFFIXES or not path.parent.is_dir():
-        kinds = ", ".join(SUFFIXES)
-        raise InputError(
-            f"--plot {path}: expected a name that ends in {kinds}, in a folder that is"
-        )
-    require("pictures need matplotlib", "pictures", "matplotlib")
-
-
 def write_picture(found: Identified, path: Path) -> None:
-    """Draw some seconds of each joint that was identified. Raises as `check_picture`; `Error`: the
-    file cannot be written.
-    """
+    """Draw some seconds of each joint that was identified. Raises as `check_picture`."""
     check_picture(path)
     from matplotlib.figure import Figure
 
@@ -50,7 +35,4 @@ def write_picture(found: Identified, path: Path) -> None:
     figure.supxlabel("time, s", fontsize=8)
     figure.supylabel("torque, Nm", fontsize=8)
     plots[0].legend(fontsize=7)
-    try:
-        figure.savefig(path)
-    except OSError as error:
-        raise Error(f"{path}: cannot be written ({error.strerror or error})") from error
+    write_figure(figure, path)

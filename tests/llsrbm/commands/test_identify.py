@@ -61,7 +61,7 @@ def test_its_lines(log, capsys):
         (["--robot", "go2", "--out", "{there}"], r"--out .*: there is such a file; expected a new"),
         (
             ["--robot", "go2", "--plot", "a.bmp"],
-            r"--plot a\.bmp: expected a name that ends in \.pn",
+            r"a\.bmp: expected a name that ends in one of \.pn",
         ),
         (["--robot", "anymal"], r"column q:FL_hip_joint: anymal has no such joint"),
     ],
