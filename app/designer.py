@@ -33,7 +33,7 @@ from app.viser_private import DesignerServer
 from app.workers.opened_file import OpenedFile
 from app.workers.pool import WorkerPool
 from app.workers.reports import Failed, Planned, Prepared, Progress, Refused, Report
-from app.workers.tasks import PlanJump, PlannerFactory, Prepare
+from app.workers.tasks import LoadSolver, PlanJump, PlannerFactory, Prepare
 from app.workers.worker import LibraryPlanner
 from llsrbm import models
 from llsrbm.errors import InputError
@@ -116,7 +116,7 @@ class Designer:
         """Prepare a robot, load the solver of every model, and show each step on the terminal."""
         first = example(robot)
         others = [name for name in models.MODELS if name != first.model]
-        jumps = [first, *(Jump(robot=robot, model=name) for name in others)]
+        jumps = [Jump(robot=robot, model=name) for name in others]
         self.initial.recall(robot)
         if self.initial.note:
             _print(f"{self.initial.note} (apt-get install gcc libc6-dev, or CC=...)")
@@ -138,7 +138,7 @@ class Designer:
                 case Planned() if report.plan.jump == first:
                     self.initial.keep(report.plan)
 
-        tasks: list[Prepare | PlanJump] = [Prepare(robot), *map(PlanJump, jumps)]
+        tasks: list[Prepare | PlanJump] = [Prepare(robot), LoadSolver(first), *map(PlanJump, jumps)]
         self.pool.warm_up(tasks, announce, lambda: _print("ready"))
 
     def close(self) -> None:

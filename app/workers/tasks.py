@@ -137,6 +137,17 @@ class PlanJump(Task):
             return Refused(talk.job, self.jump, reason, error.plan, error.nearest)
 
 
+@dataclass(frozen=True)
+class LoadSolver(PlanJump):
+    """Plan a jump to have its solver at hand, for steps of a slider from its plan as well."""
+
+    def work(self, planner: Any, talk: Talk) -> Outcome:
+        found = super().work(planner, talk)
+        if isinstance(found, Planned):
+            PlanJump(self.jump, self.tuning, near=found.plan, alone=True).work(planner, talk)
+        return found
+
+
 @dataclass(frozen=True, eq=False)
 class RefinePlan(Task):
     """Find the whole body's plan from a centroidal one, or that of a jump that does less."""

@@ -1,12 +1,15 @@
 """A way to make a jump: planned, with patience where that needs it, and followed."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
 from app.workers.reports import Planned, Progress, Refused, Simulated, SimulatedSoFar, Talk
-from app.workers.tasks import FollowWay, PlanWay, solver_of
+from app.workers.tasks import FollowWay, LoadSolver, PlanJump, PlanWay, solver_of
+from app.workers.worker import LibraryPlanner
 from llsrbm.errors import NotConverged
+from llsrbm.ocp.solvers.fatrop import Fatrop
 from llsrbm.request.jump import Jump
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tuning import Tuning
@@ -71,3 +74,25 @@ def test_what_fails_at_first_is_planned_with_patience(talk):
     refused = PlanWay(JUMP, TUNING).work(Planner(fails=2), talk)
     assert isinstance(refused, Refused)
     assert refused.reason == "the knees"
+
+
+@pytest.mark.parametrize("fails", [0, 1])
+def test_a_solver_that_is_loaded_has_followed_a_plan_too(talk, fails):
+    planner, task = Planner(fails), LoadSolver(JUMP, TUNING)
+    assert isinstance(task.work(planner, talk), Refused if fails else Planned)
+    near = [each.near and each.near.jump for each in planner.asked]
+    assert near == ([None] if fails else [None, JUMP])
+    assert {(each.jump, each.tuning) for each in planner.asked} == {(JUMP, TUNING)}
+
+
+def test_the_first_step_of_a_slider_makes_no_solver(talk, monkeypatch):
+    made = []
+    take = Fatrop._nlpsol
+    monkeypatch.setattr(Fatrop, "_nlpsol", lambda *each: made.append(1) or take(*each))
+    planner = LibraryPlanner()
+    found = LoadSolver(Jump(robot="go2", model="srbm", twist=0.2)).work(planner, talk)
+    assert made.pop()
+    made.clear()
+    step = replace(found.plan.jump, twist=0.25)
+    assert isinstance(PlanJump(step, near=found.plan, alone=True).work(planner, talk), Planned)
+    assert not made
