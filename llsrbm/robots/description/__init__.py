@@ -5,7 +5,7 @@ from llsrbm.robots.description.elements import FARTHEST
 from llsrbm.robots.description.mesh_paths import installed_shares
 from llsrbm.robots.description.parts import Description, Joint, Link, Solid
 from llsrbm.robots.description.reading import read_description
-from llsrbm.robots.description.rotors import rotor_links, srdf_rotors
+from llsrbm.robots.description.rotors import rotor_links, srdf_rotors, transmission_rotors
 
 __all__ = [
     "FARTHEST",
@@ -18,4 +18,5 @@ __all__ = [
     "read_description",
     "rotor_links",
     "srdf_rotors",
+    "transmission_rotors",
 ]

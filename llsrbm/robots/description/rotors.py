@@ -1,4 +1,4 @@
-"""Rotors of a robot's drives, as far as its description has them: links of its URDF, its SRDF."""
+"""Rotors of a robot's drives, as far as its URDF, links or transmissions, or its SRDF has them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from llsrbm.robots.description.source import read_xml
 
 _ROTOR = "_rotor"  # after the name of the link that it turns
 _PARAMETERS = "rotor_params"
+_DRAKE = "{http://drake.mit.edu}"  # namespace of Drake's elements
 
 
 def rotor_links(robot: Description) -> dict[str, float]:
@@ -42,6 +43,31 @@ def _about_axis(joint: Joint, fixed: Joint, inertial: Inertial) -> float:
     axis = joint.origin.placement.rotation @ joint.axis
     axis = rotation.T @ axis / np.linalg.norm(axis)
     return float(axis @ inertia @ axis)
+
+
+def transmission_rotors(robot: Description) -> dict[str, float]:
+    """Joint -> inertia of its rotor, kg m2 as the joint feels it, by the URDF's transmissions.
+
+    These have them in Drake's words: `<drake:rotor_inertia value=""/>`, kg m2 before the gear, and
+    `<drake:gear_ratio value=""/>` in an `<actuator>`; a gear that is not there is none. Raises
+    `RobotFileError`: a number that is none.
+    """
+    found: dict[str, float] = {}
+    for transmission in read_xml(robot.file, str(robot.file), "a URDF").iterfind("transmission"):
+        joint, actuator = transmission.find("joint"), transmission.find("actuator")
+        name = "" if joint is None else joint.get("name", "")
+        if actuator is None or name not in robot.joints:
+            continue
+        numbers = {"rotor_inertia": 0.0, "gear_ratio": 1.0}
+        for element in actuator:
+            key = element.tag.rpartition("}")[2]
+            if element.tag.startswith(_DRAKE) and key in numbers:
+                part = Part(element, f'{robot.file}: transmission of "{printable(name)}": {key}')
+                numbers[key] = part.number("value")
+                part.not_negative(value=numbers[key])
+        if inertia := numbers["rotor_inertia"] * numbers["gear_ratio"] ** 2:
+            found[name] = inertia
+    return found
 
 
 def srdf_rotors(robot: Description) -> tuple[dict[str, float], str]:

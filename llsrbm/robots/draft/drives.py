@@ -8,7 +8,7 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.mechanics import GRAVITY
-from llsrbm.robots.description import rotor_links, srdf_rotors
+from llsrbm.robots.description import rotor_links, srdf_rotors, transmission_rotors
 from llsrbm.robots.draft.anatomy import Anatomy
 from llsrbm.robots.drives.table import (
     ARMATURE_PER_TORQUE,
@@ -22,6 +22,7 @@ _WEAKEST, _STRONGEST = 0.05, 2.0  # of m g times the leg's length: other torques
 _TORQUE = 0.4  # of m g times the leg's length, where the URDF has none
 _SLOWEST, _FASTEST = 2.0, 100.0  # rad/s, of limits that are meant
 _SPEED = 15.0  # rad/s, where the URDF has none
+_FAR_APART = 4 * np.pi  # rad between stops: legs' joints turn by less
 
 
 def limits(
@@ -43,8 +44,27 @@ def limits(
     for key, limit in (("torque", model.effortLimit), ("joint_speed", model.velocityLimit)):
         if others := _unlike_the_first_leg(anatomy, limit):
             guessed["limits"] += f"; {key} as of leg {anatomy.names[0]}, the URDF has {others}"
+    if far := _far_apart(anatomy):
+        guessed["limits"] += f"; the URDF has stops of {far} rad: are they degrees?"
     values["limits.torque"] = [float(f"{t:.4g}") for t in torque]
     values["limits.joint_speed"] = [float(f"{s:.4g}") for s in speed]
+
+
+def _far_apart(anatomy: Anatomy) -> str:
+    """Joints that turn whose stops are turns apart, with them."""
+    model, source = anatomy.model, anatomy.source
+    found = []
+    for name in (model.names[joint] for leg in anatomy.joint_ids for joint in leg):
+        limit = source.joints[name].limit
+        if limit is None or source.joints[name].slides:
+            continue
+        if limit.upper - limit.lower > _FAR_APART:
+            found.append(f"{name} at {limit.lower:g} and {limit.upper:g}")
+    return _some(found)
+
+
+def _some(found: list[str]) -> str:
+    return ", ".join(found[:4]) + (f" and {len(found) - 4} more" if len(found) > 4 else "")
 
 
 def _unlike_the_first_leg(anatomy: Anatomy, limit: Array) -> str:
@@ -56,7 +76,7 @@ def _unlike_the_first_leg(anatomy: Anatomy, limit: Array) -> str:
         for joint, like in zip(leg, first, strict=True)
         if not np.isclose(limit[model.joints[joint].idx_v], limit[model.joints[like].idx_v])
     ]
-    return ", ".join(found[:4]) + (f" and {len(found) - 4} more" if len(found) > 4 else "")
+    return _some(found)
 
 
 def table(anatomy: Anatomy, values: dict[str, Any]) -> dict[str, str]:
@@ -64,9 +84,11 @@ def table(anatomy: Anatomy, values: dict[str, Any]) -> dict[str, str]:
 
     Zeros of `<dynamics>` say nothing, as those of `<limit>`, nor does what would stop the drives.
     """
-    of_srdf, srdf = srdf_rotors(anatomy.source)
+    rotors, place = transmission_rotors(anatomy.source), "the URDF's transmissions"
+    if not rotors:
+        rotors, place = srdf_rotors(anatomy.source)
     stated: dict[str, tuple[dict[str, float], str]] = {
-        "armature": (of_srdf, f"{srdf}: rotors times their gears squared"),
+        "armature": (rotors, f"{place}: rotors times their gears squared"),
         "friction": (_dynamics(anatomy, "friction"), "the URDF's <dynamics>"),
         "damping": (_dynamics(anatomy, "damping"), "the URDF's <dynamics>"),
     }

@@ -1,5 +1,6 @@
 """Drives in first robot files: those that URDF and SRDF have, and those that are assumed."""
 
+import re
 import tomllib
 
 import numpy as np
@@ -91,6 +92,51 @@ def test_an_srdf_of_other_joints_says_nothing(biped, tmp_path):
     srdf.write_text(rotors('<joint name="tail" mass="1e-5" gear_ratio="100"/>'))
     robot = written(tmp_path / "b.toml", str(biped)).robot
     assert "assumed: 0.0002 kg m2" in line(robot, "armature")
+
+
+def actuated(urdf, joint, inertia, gear):
+    """The URDF with a transmission of a joint in Drake's words."""
+    text = urdf.read_text().replace("<robot ", '<robot xmlns:drake="http://drake.mit.edu" ', 1)
+    rotor = f'<drake:rotor_inertia value="{inertia}"/>'
+    gears = (
+        f'<drake:gear_ratio value="{gear}"/>'
+        if gear
+        else "<mechanicalReduction>7</mechanicalReduction>"
+    )
+    actuator = f'<actuator name="a">{rotor}{gears}</actuator>'
+    more = f'<transmission name="t"><joint name="{joint}"/>{actuator}</transmission></robot>'
+    urdf.write_text(text.replace("</robot>", more))
+
+
+@pytest.mark.parametrize(("gear", "felt"), [("20", 0.04), ("", 1e-4)])
+def test_transmissions_have_rotors_in_drakes_words(biped, tmp_path, gear, felt):
+    actuated(biped, "left_roll", "1e-4", gear)
+    robot = written(tmp_path / "biped.toml", str(biped)).robot
+    k = robot.joint_names.index("left_roll")
+    assert robot.armature[k] == pytest.approx(felt)
+    said = line(robot, "armature")
+    assert "the URDF's transmissions: rotors times their gears squared" in said
+    assert "assumed of left_" in said
+
+
+@pytest.mark.parametrize(("inertia", "said"), [("nan", "nan"), ("-1e-4", "-0.0001")])
+def test_a_transmissions_rotor_that_is_none_is_refused(biped, tmp_path, inertia, said, capsys):
+    actuated(biped, "left_roll", inertia, "20")
+    assert main(["robot", "new", str(biped), "--out", str(tmp_path / "biped.toml")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert 'transmission of "left_roll": rotor_inertia' in error
+    assert said in error
+
+
+def test_stops_in_degrees_are_told(biped, tmp_path):
+    told = "the URDF has stops of left_roll at -90 and 90 rad: are they degrees?"
+    assert told not in written(tmp_path / "a.toml", str(biped)).robot.path.read_text()
+    head, _, rest = biped.read_text().partition('<joint name="left_roll"')
+    limit = re.search(r'lower="[^"]*" upper="[^"]*"', rest)
+    rest = rest.replace(limit.group(), 'lower="-90" upper="90"', 1)
+    biped.write_text(f'{head}<joint name="left_roll"{rest}')
+    assert told in written(tmp_path / "b.toml", str(biped)).robot.path.read_text()
 
 
 @pytest.mark.parametrize(
