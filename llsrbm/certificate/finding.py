@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from llsrbm.arrays import Array
+from llsrbm.arrays import Array, BoolArray
 from llsrbm.certificate.sampled_motion import SampledMotion
 from llsrbm.motion.trajectory import json_value
 from llsrbm.number_text import decimal, percent
@@ -75,7 +75,10 @@ class Finding:
         return percent(value, 1)
 
 
-LENGTHS = ("slip", "self_distance", "clearance")
+DISTANCES = ("self_distance", "clearance")
+"""Checks whose worst value is a least distance between bodies, m."""
+
+LENGTHS = ("slip", *DISTANCES)
 """Checks whose worst value is in m."""
 
 
@@ -85,12 +88,14 @@ class Profile:
 
     Attributes:
         begin, end: (N,) s of the stretches, in the motion's own time.
-        worst: (N,) as `Finding.worst`; `allowed`: as there.
+        worst: (N,) as `Finding.worst`; holds: (N,) whether that does.
+        allowed: as in the finding.
     """
 
     begin: Array
     end: Array
     worst: Array
+    holds: BoolArray
     allowed: float
 
 
@@ -108,7 +113,7 @@ class Check(ABC):
         self._worst: Finding | None = None
         self._how_bad = -np.inf  # the worst is: larger is worse
         self._beyond: dict[str, float] = defaultdict(float)  # s, of each joint, foot or pair
-        self._profile: list[tuple[Array, Array, Array]] = []
+        self._profile: list[tuple[Array, Array, Array, BoolArray]] = []
 
     @abstractmethod
     def take(self, motion: SampledMotion) -> None:
@@ -126,8 +131,8 @@ class Check(ABC):
         """The worst values along the motion; None: nothing can be known."""
         if not self._profile or self._worst is None or self._worst.allowed is None:
             return None
-        begin, end, worst = (np.concatenate(each) for each in zip(*self._profile, strict=True))
-        return Profile(begin, end, worst, self._worst.allowed)
+        each = [np.concatenate(part) for part in zip(*self._profile, strict=True)]
+        return Profile(*each, allowed=self._worst.allowed)
 
     def unknown(self, why: str) -> None:
         """Find that nothing can be known."""
@@ -158,7 +163,7 @@ class Check(ABC):
         firsts = np.arange(0, len(bad), INSTANTS)
         lasts = np.minimum(firsts + INSTANTS, len(bad) - 1)
         worst = np.maximum.reduceat(bad.max(axis=1), firsts)
-        self._profile.append((motion.time[firsts], motion.time[lasts], worst))
+        self._profile.append((motion.time[firsts], motion.time[lasts], worst, worst <= allowed))
         k, n = (int(i) for i in np.unravel_index(np.argmax(bad), bad.shape))
         if self._worst is not None and not bad[k, n] > self._how_bad:
             return
@@ -178,7 +183,8 @@ class Check(ABC):
         Of several the one that is furthest below its limit is the worst.
         """
         time = motion.time
-        self._profile.append((time[:1], time[-1:], np.array([distance])))
+        holds = np.array([distance >= limit])
+        self._profile.append((time[:1], time[-1:], np.array([distance]), holds))
         if self._worst is not None and not limit - distance > self._how_bad:
             return
         self._how_bad = limit - distance

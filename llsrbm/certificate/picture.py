@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from llsrbm.certificate.certificate import Certificate
-from llsrbm.certificate.finding import LENGTHS, Finding, Profile
+from llsrbm.certificate.finding import DISTANCES, Finding, Profile
 from llsrbm.files.picture import check_picture, write_figure
 
 if TYPE_CHECKING:
@@ -48,16 +48,14 @@ def write_picture(certificate: Certificate, path: Path, title: str = "") -> None
 
 def _draw(axes: Axes, found: Finding, profile: Profile) -> None:
     """One check's strip."""
-    is_distance, scale = found.name in LENGTHS, 1e3 if found.is_length else 1e2
-    is_least = is_distance and found.name != "slip"
+    scale = 1e3 if found.is_length else 1e2
     allowed, worst = scale * profile.allowed, scale * profile.worst
-    ends = _ends(allowed, worst, is_least=is_least)
+    ends = _ends(allowed, worst, is_least=found.name in DISTANCES)
     level = np.clip(worst, *ends)
-    broken = (profile.worst < profile.allowed) if is_least else (profile.worst > profile.allowed)
     edges = np.append(profile.begin, profile.end[-1])
     axes.stairs(level, edges, baseline=None, color=_FOUND, lw=0.9)
     axes.axhline(allowed, color=_ALLOWED, lw=0.8, ls="--")
-    for begin, end in zip(profile.begin[broken], profile.end[broken], strict=True):
+    for begin, end in zip(profile.begin[~profile.holds], profile.end[~profile.holds], strict=True):
         axes.axvspan(begin, end, color=_BROKEN, alpha=0.3, lw=0)
     axes.set_ylim(*ends)
     axes.set_ylabel("mm" if found.is_length else "%", fontsize=7)
