@@ -131,8 +131,8 @@ class Check(ABC):
         """The worst values along the motion; None: nothing can be known."""
         if not self._profile or self._worst is None or self._worst.allowed is None:
             return None
-        each = [np.concatenate(part) for part in zip(*self._profile, strict=True)]
-        return Profile(*each, allowed=self._worst.allowed)
+        begin, end, worst, holds = map(np.concatenate, zip(*self._profile, strict=True))
+        return Profile(begin, end, worst, holds, self._worst.allowed)
 
     def unknown(self, why: str) -> None:
         """Find that nothing can be known."""
