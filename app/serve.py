@@ -73,8 +73,12 @@ def serve(
     ] = True,
     open_: _File = None,
     robot: Annotated[
-        str, typer.Option(metavar="R", help="Robot of the motion, if FILE is another tool's.")
-    ] = Jump().robot,
+        str | None,
+        typer.Option(
+            metavar="R",
+            help=f"Robot of the motion, if FILE is another tool's [default: {Jump().robot}].",
+        ),
+    ] = None,
     fps: _Rate = None,
     workers: _Workers = None,
     scheduler: Annotated[str | None, typer.Option(hidden=True)] = None,
@@ -92,7 +96,7 @@ def serve(
                 "--scheduler: the page computes on this machine alone; expected --workers N for "
                 "more processes (llsrbm sweep takes --scheduler)"
             )
-        file = None if open_ is None else _opened(open_, robot, fps)
+        file = _opened(open_, robot, fps)
         # Its first process imports CasADi and loads a solver while this one imports the page.
         with closing(WorkerPool(processes=workers or PROCESSES)) as pool:
             from app.designer import serve as serve_designer
@@ -122,8 +126,17 @@ def _token_in(path: Path, other: str | None) -> str:
         raise InputError(f"--token-file: {path}: cannot be read ({error})") from error
 
 
-def _opened(path: Path, robot: str, fps: float | None) -> OpenedFile:
-    """The content of a file, if it can be opened, its robot ready to be drawn."""
+def _opened(path: Path | None, robot: str | None, fps: float | None) -> OpenedFile | None:
+    """The content of a file, if it can be opened, its robot ready to be drawn; None: no file."""
+    if path is None:
+        for name, value in (("--robot", robot), ("--fps", fps)):
+            if value is not None:
+                raise InputError(
+                    f"{name}: is of the motion in a file; expected --open FILE beside it (the "
+                    "page's own robot is chosen in the page)"
+                )
+        return None
+    robot = Jump().robot if robot is None else robot
     from app.workers.tasks import OpenFile
     from app.workers.worker import LibraryPlanner
     from llsrbm.robots import names

@@ -34,6 +34,7 @@ from llsrbm.planning.whole_body.grid import Grid
 from llsrbm.planning.whole_body.nearest import PRICE
 from llsrbm.planning.whole_body.refine import Refiner
 from llsrbm.request.jump import COMPONENTS, STEPS, Jump
+from llsrbm.request.jump_types import load_type
 from llsrbm.request.messages import look_up
 from llsrbm.request.route import FURTHEST
 from llsrbm.robots import load_robot
@@ -286,6 +287,11 @@ def largest_jump(jump: Jump, component: str, drafting: Drafting) -> Largest:
     if jump.route:
         raise InputError(
             "route: its landings alone say where the jumps lead; expected a request without a route"
+        )
+    if direction.field == "forward" and load_type(jump.type).passes:
+        raise InputError(
+            f"{component}: jumps of type {jump.type} lead as far as what they pass over asks; "
+            "expected another component"
         )
     way, limit = Search(jump, direction, drafting).run()
     *smaller, plan = (each.plan for each in way)

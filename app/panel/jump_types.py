@@ -55,7 +55,8 @@ def with_type(jump: Jump, name: str) -> Jump:
     jump = with_defaults(replace(jump, type=name))
     if jump.turns:
         jump = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
-    others: dict[str, Any] = dict.fromkeys(set(COMPONENTS) - set(landing_fields(jump)), 0.0)
+    shown = {*landing_fields(jump), *surface_fields(jump)}
+    others: dict[str, Any] = dict.fromkeys({*COMPONENTS, *INCLINES} - shown, 0.0)
     return replace(jump, **others)
 
 
@@ -79,7 +80,13 @@ def landing_fields(jump: Jump) -> tuple[str, ...]:
 
 
 def surface_fields(jump: Jump) -> tuple[str, ...]:
-    """Fields that say how surfaces slope; of a route the take-off's alone: landings say theirs."""
+    """Fields that say how surfaces slope; of a route the take-off's alone: landings say theirs.
+
+    None of a type that passes over something, beside which surfaces are level.
+    """
+    kind = jump_types.names().get(jump.type)
+    if kind is not None and kind.obstacle is not None:
+        return ()
     return tuple(name for name in INCLINES if not (jump.route and name in SLOPES))
 
 

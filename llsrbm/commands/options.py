@@ -131,8 +131,8 @@ def given(context: typer.Context, **values: Any) -> dict[str, Any]:
 
 
 def option(name: str) -> str:
-    """The option of a parameter: "--end-speed"."""
-    return f"--{name.replace('_', '-')}"
+    """The option of a parameter: "--end-speed", "--stone" of `stones`."""
+    return _FLAGS.get(name, f"--{name.replace('_', '-')}").partition("/")[0]
 
 
 def check_workers(workers: int | None, scheduler: str | None) -> None:

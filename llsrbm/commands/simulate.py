@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from llsrbm.commands import console, options
-from llsrbm.errors import InputError
+from llsrbm.errors import InputError, NotConverged
 
 if TYPE_CHECKING:
     from llsrbm.motion.plan import Plan
@@ -45,7 +45,7 @@ def simulate_command(
     with console.result_stream(as_json=as_json) as stdout:
         import llsrbm
         from llsrbm.analysis.diagnosis import fall_in_words
-        from llsrbm.analysis.summaries import rollout_summary
+        from llsrbm.analysis.summaries import plan_summary, refusal_summary, rollout_summary
         from llsrbm.certificate import certified
 
         given = [name for name in options.PLANNING if options.is_given(context, name)]
@@ -60,7 +60,13 @@ def simulate_command(
         if file is not None:
             plan = options.read_plan(file)
         else:
-            plan = _planned(request.jump, solver, tuning, scenario, draft=draft)
+            try:
+                plan = _planned(request.jump, solver, tuning, scenario, draft=draft)
+            except NotConverged as error:
+                if as_json:
+                    summary = plan_summary(error.plan) | refusal_summary(error)
+                    console.print_result(summary, {}, stdout, as_json=True)
+                raise  # one line, exit status 1
         if scenario.replan:
             console.show_planning(
                 "loading the solvers that plan anew: some minutes the first time, "

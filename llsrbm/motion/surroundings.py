@@ -135,7 +135,7 @@ def check_board(plan: Plan, height: float) -> None:
         return
     last = _places(plan)[-1]
     feet = resample(plan, np.array([_mid_flight(plan, last)])).contact_point[0]
-    room = float(feet[:, 2].min()) - last.height - TO_SPARE
+    room = float((feet[:, 2] - last.top(feet)).min()) - TO_SPARE
     # Whole millimetres, rounded down, so that what the message names is accepted.
     largest = max(0.0, math.floor(1000 * room) / 1000)
     if not 0 <= height <= largest:
@@ -365,7 +365,7 @@ def _block(
     )
     if not place.slopes:
         return block
-    surface = np.array([*middle, place.top(middle[None])[0]])
+    surface = np.array([*middle, place.top(middle[None])[0] + top - place.height])
     along = place.tilt @ _turn(place.heading)
     thick = top - bottom + THICKER
     return replace(

@@ -160,6 +160,11 @@ class JumpType(Table):
         jump = jump or self.default_jump()
         hops = jump.jumps
         if self.passes:
+            if jump.hops > 1:
+                raise InputError(
+                    f'hops: "{self.title}" flies as often as takes all feet across; '
+                    f"expected 1, got {jump.hops}"
+                )
             hops = 2 if "front" in _groups(robot) else 1
         if hops > 1 and not any(row.each_hop for row in self.phase):
             raise InputError(

@@ -96,8 +96,18 @@ class Number(FieldSpec):
         if not math.isfinite(number):
             raise _refused(name, "a finite number", value)
         if not self.low <= number <= self.high:
-            raise InputError(f"{name}: expected {self.accepted}, got {number:g}")
+            raise InputError(f"{name}: expected {self._range()}, got {self._shown(number)}")
         return number
+
+    def _range(self) -> str:
+        """The range for a message: of angles in degrees too, which those at a command line gave."""
+        if self.unit != "rad":
+            return self.accepted
+        return f"{self.accepted} ({math.degrees(self.low):g} to {math.degrees(self.high):g} deg)"
+
+    def _shown(self, number: float) -> str:
+        degrees = f" ({math.degrees(number):g} deg)" if self.unit == "rad" else ""
+        return f"{number:g}{degrees}"
 
 
 @dataclass(frozen=True)

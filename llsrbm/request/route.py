@@ -114,6 +114,8 @@ def load_route(path: str | Path) -> tuple[Landing, ...]:
     rows = table.get("landing")
     if list(table) != ["landing"] or not isinstance(rows, tuple):
         raise InputError(f"{path}: expected {_FILE}, got {reprlib.repr(list(table))}")
+    if not rows:
+        raise InputError(f"{path}: no landing; expected {_FILE}")
     in_rad = [
         {n: math.radians(v) if n in _TURNS and _is_number(v) else v for n, v in row.items()}
         if isinstance(row, Mapping)

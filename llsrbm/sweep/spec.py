@@ -170,7 +170,9 @@ class Dimension:
                 f'{place}: a robot\'s file has no range of it; expected "from" and "to" '
                 f'(range = "robot" is for {", ".join(ROBOT_RANGES)})'
             )
-        for value in map(self._si, (axis.values or ()) if of_jump else ()):
+        # A field's range has no holes: what lies between two of its values is one, too.
+        ends = [end for end in (axis.low, axis.high) if end is not None]
+        for value in map(self._si, (axis.values or ends) if of_jump else ()):
             whole = self.name == "hops" and value == int(value)
             field: dict[str, Any] = {self.name: int(value) if whole else value}
             try:
@@ -231,8 +233,9 @@ class Spec(Table):
             raise fault(f'count: missing; expected how many jumps to draw with "{self.sampling}"')
         for dimension in self.dimensions():
             dimension.check(self.sampling)
-        for name in ("twist", "roll", "pitch"):
-            if getattr(self.axes, name) and getattr(self.axes, name + _DEGREES):
+        given = {dimension.key for dimension in self.dimensions() if dimension.where == "axes"}
+        for name in sorted(given):
+            if name + _DEGREES in given:
                 raise fault(f"axes: {name} and {name}{_DEGREES} are the same; expected one of them")
         self.scenario()
         return self

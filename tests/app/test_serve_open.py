@@ -94,3 +94,12 @@ def test_a_folder_without_a_sweep_is_one_line_and_nothing_is_served(tmp_path, mo
     monkeypatch.setattr("app.workers.pool.WorkerPool", MagicMock())
     monkeypatch.setattr("app.designer.serve", None)  # is not reached
     assert "no jumps.parquet there" in refused("serve", "--atlas", str(tmp_path))
+
+
+@pytest.mark.parametrize("arguments", [["--robot", "go2"], ["--fps", "50"]])
+def test_what_is_of_a_file_alone_is_refused_without_one(monkeypatch, refused, arguments):
+    """The page began with its own robot, whatever was asked for."""
+    monkeypatch.setattr("app.workers.pool.WorkerPool", None)  # is not reached
+    told = refused("serve", *arguments)
+    assert told.startswith(f"{arguments[0]}: ")
+    assert "expected --open FILE beside it" in told

@@ -191,6 +191,8 @@ def test_without_a_plan_to_begin_from_there_is_none(search):
         (GO2, "sideways", 'no component "sideways"'),
         (Jump(robot="go2", type="flip", pitch=-math.tau), "up", "turn over"),
         (Jump(robot="go2", route=2 * ({"forward": 0.3},)), "forward", "a request without a route"),
+        # It was 0 m, stopped by a sentence about the next step of the search.
+        (Jump(robot="go2", type="over-gap", gap=0.2), "forward", "forward: jumps of type over-gap"),
         (Jump(robot="go2", lateral=4.0), "up", "lateral 4 m is out of range"),
         (Jump(robot="nobody"), "up", "nobody"),
     ],

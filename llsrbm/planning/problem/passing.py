@@ -6,9 +6,11 @@ import numpy as np
 
 from llsrbm.errors import InputError, NoFooting
 from llsrbm.planning.problem.task import Footholds
-from llsrbm.request.jump import Jump
+from llsrbm.request.jump import INCLINES, Jump
 from llsrbm.request.jump_types import Displacement, JumpType
+from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.obstacle import Obstacle
+from llsrbm.request.route import SLOPES
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
 
@@ -16,27 +18,53 @@ RAMP = 0.04  # m, length of a ramp of the clearance profile: feet move about as 
 # m that a foot stands from an edge beyond its own radius; our choice: feet of most disturbed jumps
 # end within 15 mm of where they are planned to.
 SCATTER = 0.02
+_SIZES = ("gap", "bar")  # fields of a request, of what the whole robot passes over
 
 
 def obstacle_of(jump: Jump, kind: JumpType, start: Footholds, robot: Robot) -> Obstacle | None:
     """The obstacle that a jump passes over, ahead of the foremost contact point at the start.
 
     One that the whole robot passes over begins where feet have room beside it, or so far beyond.
-    Raises `InputError`: the request does not say how wide or how high it is.
+    Raises `InputError`: the request does not say how wide or how high it is, or says so of none,
+    or the ground beside it slopes.
     """
+    _check_sizes(jump, kind)
     row = kind.obstacle
     if row is None:
         return None
-    for name in ("gap", "bar"):
-        if name in kind.parameters and not getattr(jump, name) > 0:
-            raise InputError(
-                f"{name}: jumps of type {jump.type} pass over one; expected a number above 0 m"
-            )
+    _check_level(jump)
     near, far, height = row.ends(jump)
     front = float(start.contacts[:, 0].max())
     if kind.passes:
         front = float(start.feet[:, 0].max()) + footing_room(robot, is_gap=height < 0)
     return Obstacle(front + near, front + far, height)
+
+
+def _check_sizes(jump: Jump, kind: JumpType) -> None:
+    """Raise `InputError`: a gap or a bar without a size, or the size of one that nothing passes."""
+    for name in _SIZES:
+        if name in kind.parameters and not getattr(jump, name) > 0:
+            raise InputError(
+                f"{name}: jumps of type {jump.type} pass over one; expected a number above 0 m"
+            )
+    for name in _SIZES:
+        if getattr(jump, name) and name not in kind.parameters:
+            types = [other for other, each in jump_types().items() if name in each.parameters]
+            raise InputError(
+                f"{name}: jumps of type {jump.type} pass over none of a request's size; expected "
+                f'the type {" or ".join(types)}, or {name} among "asks" in its file'
+            )
+
+
+def _check_level(jump: Jump) -> None:
+    """Raise `InputError` for slopes: what is passed over stands between level surfaces."""
+    sloping = [name for name in INCLINES if getattr(jump, name)]
+    sloping += [name for landing in jump.route for name in SLOPES if getattr(landing, name)]
+    if sloping:
+        raise InputError(
+            f"{sloping[0].replace('_', ' ')}: jumps of type {jump.type} pass over a hurdle or a "
+            "gap between level surfaces; expected 0, or a type that passes over nothing"
+        )
 
 
 def foot_reach(robot: Robot) -> float:

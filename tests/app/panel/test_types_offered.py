@@ -5,6 +5,7 @@ import pytest
 
 from app.panel.jump_types import (
     not_supported,
+    surface_fields,
     turn_title,
     turns_offered,
     types_offered,
@@ -49,6 +50,13 @@ def test_a_biped_has_no_hind_feet():
 def test_a_type_keeps_the_landing_place():
     jump = with_type(Jump(robot="go2", twist=0.5, forward=0.2, speed=0.3), "hops")
     assert jump == Jump(robot="go2", type="hops", twist=0.5, forward=0.2, hops=2)
+
+
+def test_a_type_that_passes_over_something_has_level_surfaces():
+    sloping = Jump(robot="go2", forward=0.5, slope=0.1, takeoff_cross_slope=0.1)
+    assert with_type(sloping, "hurdle") == Jump(robot="go2", type="hurdle", forward=0.5)
+    assert surface_fields(Jump(type="over-gap")) == ()
+    assert with_type(sloping, "rear-last") == replace(sloping, type="rear-last")
 
 
 @pytest.mark.parametrize("title", TURNS)

@@ -79,6 +79,7 @@ def test_ideal_drives_are_a_flag(planner, simulator, tmp_path, flag, drives, cap
         (["plan", "--design", "a.json"], "a.json: cannot be read (No such file or directory)"),
         (["simulate", "--design", "./a"], "./a: cannot be read (No such file or directory)"),
         (["simulate", "p.npz", "--design", "slider-box"], "--design: is for planning, but p.npz"),
+        (["simulate", "p.npz", "--stone", "LF,0.1,0"], "--stone: is for planning, but p.npz"),
     ],
 )
 def test_what_is_no_design_is_one_line(planner, arguments, complaint, refused):

@@ -13,6 +13,7 @@ from llsrbm import cli
 from llsrbm.analysis.diagnosis import diagnose
 from llsrbm.analysis.summaries import rollout_summary
 from llsrbm.analysis.wording import rollout_rows
+from llsrbm.errors import NotConverged
 from llsrbm.motion.trajectory import load
 from llsrbm.request.scenario import Push, Scenario
 from tests.llsrbm.processes import run
@@ -54,6 +55,18 @@ def test_without_a_file_the_jump_is_planned_first(planner, simulator, capsys):
     plan, scenario = simulator.requests[0]
     assert plan.jump == jump
     assert scenario == Scenario()
+
+
+def test_a_jump_that_cannot_be_planned_is_one_json_object_too(planner, simulator, capfd):
+    """There was none on stdout, where --json promises one."""
+    plan = synthetic_plan()
+    failed = replace(plan, report=replace(plan.report, status="not-converged", cost=math.nan))
+    planner.answers[0] = NotConverged("no plan found", failed)
+    assert cli.main(["simulate", "--json"]) == 1
+    printed = capfd.readouterr()
+    assert json.loads(printed.out)["status"] == "not-converged"
+    assert printed.err.endswith("llsrbm: no plan found\n")
+    assert not simulator.requests
 
 
 @pytest.mark.parametrize(("words", "said"), [((), True), (("--draft",), False)])

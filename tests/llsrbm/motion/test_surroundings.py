@@ -16,6 +16,7 @@ from llsrbm.planning.problem.task import Edges
 from llsrbm.request.jump import Jump
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.request.scenario import Scenario
+from llsrbm.request.slopes import normals
 from llsrbm.robots import load_robot
 from tests.app.synthetic_plan import FLY, STAND, synthetic_plan
 from tests.llsrbm.schedules import in_a_row
@@ -140,6 +141,24 @@ def test_half_a_board_lies_under_the_front_feet_alone(height):
     inside = overhang(board, plan.foot_position[-1])
     assert (inside[:2] > 0.2).all()
     assert (inside[2:] < -0.2).all()
+
+
+def test_on_a_slope_a_board_and_a_stone_rise_above_its_surface():
+    """They lay at its height, inside the box, where no foot met them."""
+    _, world = around(
+        Scenario(board=0.025), slope=0.2, cross_slope=-0.1, stones={"LF": (0, 0, 0.03)}
+    )
+    blocks = {block.name: block for block in world.blocks}
+
+    def surface(name):
+        """m: of its upper face, above the world's origin."""
+        block = blocks[name]
+        tilt = np.array(block.tilt)
+        point = block.centre + normals(tilt) * block.size[2] / 2
+        return point[2] - point[:2] @ tilt
+
+    assert surface("board") == pytest.approx(surface("box") + 0.025)
+    assert surface("stone LF") == pytest.approx(surface("box") + 0.03)
 
 
 @pytest.mark.parametrize("height", [0.0, 0.15, -0.15])

@@ -60,6 +60,8 @@ def test_its_file_has_degrees(tmp_path):
     [
         ("forward = 1", "expected a route"),
         ("landing = 3", "expected a route"),
+        ("landing = []", "no landing; expected a route"),
+        ("[[landing]]\nslope = 40", "(-30 to 30 deg), got 0.698132 (40 deg)"),
         ("[[landing]]\nforwards = 1", "landing 1: unknown 'forwards'; did you mean \"forward\"?"),
         ("[[landing]]\nforward = 50", "landing 1: forward: expected -3 to 3 m, got 50"),
         ("[[landing]]\nslope = 45", "landing 1: slope: expected"),

@@ -53,6 +53,8 @@ def test_whatever_the_text_one_line_says_what_is_wrong(text):
         ("[axes]\ntwist = 'far'", "axes.twist: expected a number, a list or a table"),
         ("[axes]\ntwist = [nan]", "finite number"),
         ("[axes]\ntwist = [1]\ntwist_deg = [1]", "are the same"),
+        ("[axes]\nslope = [0.1]\nslope_deg = [5]", "are the same"),
+        ("[axes]\nslope_deg = { from = 0, to = 40, count = 2 }", "axes.slope_deg: expected"),
         ("[axes]\npitch_deg = [90]", "whole turns"),
         ("[axes]\npitch_deg = { from = 0, to = 360, count = 3 }", "expected a list of values"),
         ("[axes]\nhops = [1.5]", "expected a whole number"),

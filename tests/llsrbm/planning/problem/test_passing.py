@@ -38,6 +38,18 @@ def test_wider_than_a_robot_stands_astride_is_refused_with_what_it_can():
         ({"type": "over-gap"}, "gap: jumps of type over-gap pass over one"),
         ({"type": "over-gap", "gap": 0.2, "forward": 0.1}, "forward: jumps of type over-gap lead"),
         ({"type": "over-hurdle", "gap": 0.2}, "bar: jumps of type over-hurdle pass over one"),
+        ({"type": "over-gap", "gap": 0.2, "hops": 3}, "hops: .* expected 1, got 3"),
+        # A size that nothing would have passed over was left out without a word.
+        ({"gap": 0.2}, "gap: jumps of type together pass over none .* expected the type over-gap"),
+        ({"type": "gap", "gap": 0.5, "forward": 0.4}, "gap: jumps of type gap pass over none"),
+        ({"type": "over-gap", "gap": 0.2, "bar": 0.1}, "bar: .* expected the type over-hurdle"),
+        # The blocks beside it were level whatever the plan took them for.
+        ({"type": "over-gap", "gap": 0.2, "slope": 0.1}, "slope: .* between level surfaces"),
+        ({"type": "hurdle", "forward": 0.5, "takeoff_cross_slope": 0.1}, "takeoff cross slope: "),
+        (
+            {"type": "gap", "route": [{"forward": 0.5}, {"forward": 0.4, "cross_slope": 0.1}]},
+            "cross slope: .* between level surfaces",
+        ),
     ],
 )
 def test_what_the_type_needs_is_said(jump, said):
