@@ -99,7 +99,7 @@ def whole_body_motion(
         RobotFileError: the robot is not there.
     """
     times = with_events(trajectory, fps) if events else evenly(trajectory, fps, pad)
-    return motion_at(trajectory, times, None if events else fps)
+    return motion_at(trajectory, times, None if events else float(fps))
 
 
 def motion_at(
@@ -298,7 +298,7 @@ def _feet(robot: Robot, q: Array, v: Array) -> tuple[Array, Array]:
             moves = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             place[k, i], R[k, i] = placement.translation, placement.rotation
             linear[k, i], angular[k, i] = moves.linear, moves.angular
-    points = place + apply(R, np.array([contact.centres.mean(axis=0) for contact in contacts]))
+    points = place + apply(R, np.array([contact.middle for contact in contacts]))
     points[..., 2] -= [contact.radius for contact in contacts]
     # A ball rolls about its lowest point; a plan's foot turns about its frame.
     rolling = linear + cross(angular, points - place)
