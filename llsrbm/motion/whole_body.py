@@ -30,7 +30,7 @@ _LEVEL = 0.01
 _SLIPS = 0.3  # m/s: the fastest that a foot that low may be; it wobbles and slips as it lands
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WholeBodyMotion:
     """A robot's motion at K instants: L legs, J joints in `Robot.joint_names`' order; world frame.
 
@@ -73,6 +73,10 @@ class WholeBodyMotion:
     joint_torque_limit: Array | None = None
     phase: IntArray | None = None
     remarks: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        lasts = f"{len(self.time)} instants in {self.time[-1]:.2f} s"
+        return f"<WholeBodyMotion of {self.robot.name}, {self.origin}; {lasts}>"
 
     @property
     def qpos(self) -> Array:
