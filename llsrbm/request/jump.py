@@ -215,7 +215,7 @@ class Jump:
             if abs(turns - round(turns)) > _WHOLE:
                 raise InputError(
                     f"{name}: {math.degrees(getattr(self, name)):g} deg; expected whole turns: "
-                    "-360, 0 or 360 deg"
+                    "-360, 0 or 360 deg (in Python and in files in rad)"
                 )
 
     def _check_route(self) -> None:

@@ -8,6 +8,7 @@ from llsrbm.errors import InputError, NoFooting
 from llsrbm.planning.problem.task import Footholds
 from llsrbm.request.jump import Jump
 from llsrbm.request.jump_types import Displacement, JumpType
+from llsrbm.request.jump_types import names as jump_types
 from llsrbm.request.obstacle import Obstacle
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.robot import Robot
@@ -37,6 +38,17 @@ def obstacle_of(jump: Jump, kind: JumpType, start: Footholds, robot: Robot) -> O
     if kind.passes:
         front = float(start.feet[:, 0].max()) + footing_room(robot, is_gap=height < 0)
     return Obstacle(front + near, front + far, height)
+
+
+def check_passed(jump: Jump, kind: JumpType) -> None:
+    """Raise `InputError` where a request has a gap or a bar that its type does not pass over."""
+    for name in ("gap", "bar"):
+        if getattr(jump, name) and name not in kind.parameters:
+            types = [title for title, other in jump_types().items() if name in other.parameters]
+            raise InputError(
+                f"{name}: jumps of type {jump.type} do not pass over one; expected the type "
+                f'{" or ".join(types)}, or {name} among "asks" in its file'
+            )
 
 
 def foot_reach(robot: Robot) -> float:

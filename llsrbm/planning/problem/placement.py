@@ -13,7 +13,7 @@ from llsrbm.motion.plan import Plan
 from llsrbm.planning.problem.clearance_profile import check_footing
 from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import Limit, check_limits, limits_in, put_limits
-from llsrbm.planning.problem.passing import obstacle_of, passing
+from llsrbm.planning.problem.passing import check_passed, obstacle_of, passing
 from llsrbm.planning.problem.stones import body_over, check_stones, offsets
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.request.jump import Jump
@@ -48,7 +48,8 @@ def make_task(
 
     Raises:
         InputError: a value beyond `FURTHEST`, a weight or a limit that is none, a jump type that is
-            none or not for this robot, a foot where its leg does not reach.
+            none or not for this robot, a gap or a bar that the type does not pass over, a foot
+            where its leg does not reach.
     """
     _check_amounts(jump)
     for name in ("speed", "end_speed"):
@@ -70,6 +71,7 @@ def make_task(
                     f"{where}weight {name}: expected a number of at least 0, got {weight}"
                 )
     own = place_task(replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0), robot)
+    check_passed(jump, kind)
     if kind.limits:
         check_limits(kind.limits, own, robot.name)
     if limits:
@@ -95,7 +97,8 @@ def _check_amounts(jump: Jump) -> None:
         value = scale * getattr(jump, name)
         if not abs(value) <= scale * most + 1e-6:
             ends = f"{-scale * most:g} to {scale * most:g} {unit}"
-            raise InputError(f"{name} {value:g} {unit} is out of range; expected {ends}")
+            here = " (in Python and in files in rad)" if unit == "deg" else ""
+            raise InputError(f"{name} {value:g} {unit} is out of range; expected {ends}{here}")
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:

@@ -38,6 +38,9 @@ def test_wider_than_a_robot_stands_astride_is_refused_with_what_it_can():
         ({"type": "over-gap"}, "gap: jumps of type over-gap pass over one"),
         ({"type": "over-gap", "gap": 0.2, "forward": 0.1}, "forward: jumps of type over-gap lead"),
         ({"type": "over-hurdle", "gap": 0.2}, "bar: jumps of type over-hurdle pass over one"),
+        ({"gap": 0.2}, "gap: jumps of type together do not pass .* expected the type over-gap"),
+        ({"bar": 0.1}, "bar: jumps of type together do not pass .* expected the type over-hurdle"),
+        ({"type": "over-gap", "gap": 0.2, "bar": 0.1}, "bar: jumps of type over-gap do not pass"),
     ],
 )
 def test_what_the_type_needs_is_said(jump, said):
