@@ -22,6 +22,7 @@ from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.solve.watch import PlanningProgress
 from llsrbm.request.jump import Jump, not_feasible
 from llsrbm.request.jump_types import of_its_type
+from llsrbm.request.messages import check_functions
 from llsrbm.request.scenario import Scenario
 from llsrbm.robots import load_robot
 from llsrbm.robots.payload import with_payload
@@ -71,20 +72,20 @@ def plan(
         progress: told what is being tried, and iteration and residual at most every 0.1 s.
 
     Raises:
-        InputError: an unknown name, a request that no robot here comes near to, a limit out of
-            range, or a plan to start from that is of another robot, model or version, or that
-            failed.
+        InputError: an argument of another type, an unknown name, a request that no robot here comes
+            near to, a limit out of range, or a plan to start from that is of another robot, model
+            or version, or that failed.
         RobotFileError: the robot file is wrong.
         NotConverged: no attempt satisfied every constraint. With patience and the default solver
             its `nearest` is the plan of the nearest jump, and its `reason` what stops the rest.
     """
     jump = of_its_type(jump)
     robot = load_robot(jump.robot)
-    # A request that cannot be builds no solver.
-    task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
     drafting = Drafting(
         solver, intervals, weights, limits, near, patient, explains, hurried, cancelled, progress
     )
+    # A request that cannot be builds no solver.
+    task = make_task(jump, with_payload(robot, jump.payload), weights, limits)
     if draft:
         return drafting.draft(jump, robot)
     return _whole_body_plan(task, robot, drafting, guesses)
@@ -191,6 +192,7 @@ def simulate(
     from llsrbm.simulation.simulate import simulate as run
 
     checks.check_plan(plan)
+    check_functions(cancelled=cancelled, progress=progress, so_far=so_far)
     scenario = _scenario(scenario, fields)
     robot = robot_of(plan)
     checks.check_robot(plan, robot)

@@ -3,19 +3,24 @@
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from numbers import Integral, Real
 
 from llsrbm.errors import NotConverged
 from llsrbm.motion.plan import Plan
 from llsrbm.planning.answer.planner import planner_of
 from llsrbm.planning.solve.watch import Progress
 from llsrbm.request.jump import Jump
+from llsrbm.request.messages import check_functions, check_kind
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
 
 
 @dataclass(frozen=True)
 class Drafting:
-    """How drafts are made: those of `llsrbm.plan`'s arguments that its first stage takes."""
+    """How drafts are made: those of `llsrbm.plan`'s arguments that its first stage takes.
+
+    Raises `InputError`: one is of another type.
+    """
 
     solver: str
     intervals: int
@@ -27,6 +32,15 @@ class Drafting:
     hurried: bool
     cancelled: Callable[[], bool] | None
     progress: Progress | None
+
+    def __post_init__(self) -> None:
+        check_kind("intervals", self.intervals, Integral, "a whole number")
+        check_kind("near", self.near, Plan | None, "a Plan or None")
+        check_functions(cancelled=self.cancelled, progress=self.progress)
+        for what, given in (("weights", self.weights), ("limits", self.limits)):
+            check_kind(what, given, Mapping | None, "names with numbers")
+            for name, value in (given or {}).items():
+                check_kind(f"{what}: {name}", value, Real, "a number")
 
     def draft(self, jump: Jump, robot: Robot) -> Plan:
         """The draft of a jump of its type, whose payload it names and has not.

@@ -13,6 +13,13 @@ _MARKS = (*_WIDE, (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16
 _PIPED = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")  # what a shell makes of `-` and `<(...)`
 
 
+def path_of(path: Any) -> Path:
+    """A path as `Path`; raises `InputError` unless it is text or a `Path`."""
+    if not isinstance(path, str | Path):
+        raise InputError(f"expected a path as text or a Path, got {type(path).__name__}")
+    return Path(path)
+
+
 def read_text(
     path: str | Path,
     what: str,
@@ -27,13 +34,14 @@ def read_text(
 
     Raises `error`: one line that names the file and what is wrong with it.
     """
+    path = path_of(path)
     try:
-        kind = Path(path).stat().st_mode  # before it is opened: a pipe would be waited for
+        kind = path.stat().st_mode  # before it is opened: a pipe would be waited for
         if stat.S_ISDIR(kind):
             raise error(f"{path}: cannot be read (it is a folder); expected {what}")
         if not stat.S_ISREG(kind) and not (piped and str(path).startswith(_PIPED)):
             raise error(f"{path}: cannot be read (not a regular file); expected {what}")
-        with Path(path).open("rb") as file:
+        with path.open("rb") as file:
             content = file.read(largest + 1)
     except (OSError, ValueError) as reason:  # ValueError: a name that no file can have
         why = reason.strerror if isinstance(reason, OSError) else str(reason)

@@ -29,6 +29,7 @@ from llsrbm.planning.whole_body.problem import make_problem
 from llsrbm.planning.whole_body.refine import Refiner, refiner_of
 from llsrbm.planning.whole_body.sizes import Sizes, parts
 from llsrbm.planning.whole_body.start import Start, start_of, variables
+from llsrbm.request.messages import check_kind
 from llsrbm.robots.robot import Robot
 
 # Multipliers are good to four digits; Fatrop takes some 15 iterations from a plan.
@@ -67,9 +68,10 @@ def sensitivity(plan: Plan) -> tuple[Sensitivity, ...]:
     """Changes of a plan's cost with payload, drives and lengths of links, the largest first.
 
     Raises:
-        InputError: the plan is a draft, whose cost is not the whole body's.
+        InputError: it is no plan, or a draft, whose cost is not the whole body's.
         NotConverged: the whole body's problem is not solved closely enough from there.
     """
+    check_kind("plan", plan, Plan, "a Plan")
     if not plan.refined:
         raise InputError(
             "sensitivity: the plan is a draft of the first stage; expected one of the whole body"

@@ -20,7 +20,7 @@ from llsrbm.certificate.sampled_motion import AnyMotion, SampledMotion, sampled
 from llsrbm.errors import InputError, RobotFileError
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.request.messages import look_up
+from llsrbm.request.messages import check_kind, look_up
 from llsrbm.robots.robot import Robot
 
 _Own = TypeVar("_Own", bound=Plan | Rollout)
@@ -107,7 +107,11 @@ def certified(motion: _Own, robot: Robot | None = None) -> _Own:
 
     As it is if it has one; a plan that failed, or whose robot is not there or has other joints by
     now, stays without.
+
+    Raises:
+        InputError: it is neither.
     """
+    check_kind("motion", motion, Plan | Rollout, "a Plan or a Rollout")
     if motion.certificate is not None or (isinstance(motion, Plan) and not motion.solved):
         return motion
     try:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -47,7 +47,7 @@ class PowerForecast:
     energy_back_j: float | None = None
     electrical_peak_w: float | None = None
     battery_current_a: float | None = None
-    heat_j: dict[str, float] | None = None
+    heat_j: dict[str, float] | None = field(default=None, hash=False)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain data; null for what is not known or not finite."""

@@ -28,7 +28,7 @@ def export_command(
     fps: options.FrameRate = 60.0,
     pad: options.Pad = 0.0,
     order: options.Order = "depth-first",
-    size: Annotated[str, typer.Option(metavar="WxH", help="Size of a video, pixels.")] = "960x540",
+    size: options.Size = "960x540",
     camera: Annotated[
         str,
         typer.Option(

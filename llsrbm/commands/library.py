@@ -43,7 +43,7 @@ Folder = Annotated[
 Name = Annotated[str, typer.Argument(metavar="NAME", help="A motion's name; `llsrbm library`.")]
 Out = Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder of the library.")]
 Seeds = Annotated[
-    int, typer.Option(min=0, max=1000, help="Simulations of a motion, all of which be strict.")
+    int, typer.Option(min=0, max=1000, help="Simulations of a motion; all have to be strict.")
 ]
 
 

@@ -63,7 +63,12 @@ Exported = Annotated[
 Formats = Annotated[
     list[str], typer.Option("--format", metavar="F", help="See `llsrbm formats`; may be repeated.")
 ]
-FrameRate = Annotated[float, typer.Option(help="Frames per second.")]
+_OF_THE_FORMAT = "the format's"  # default of an option of which each format has its own
+FrameRate = Annotated[float, typer.Option(help="Frames per second.", show_default=_OF_THE_FORMAT)]
+Size = Annotated[
+    str,
+    typer.Option(metavar="WxH", help="Size of a video, pixels.", show_default=_OF_THE_FORMAT),
+]
 Pad = Annotated[
     float,
     typer.Option(metavar="S", help="Time that the robot stands still before and after the motion."),

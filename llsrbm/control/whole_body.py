@@ -33,8 +33,8 @@ class WholeBody:
         angular_momentum: (3,) kg m2/s about the CoM; inertia: (3, 3) kg m2, whole body's.
         momentum_matrix: (6, n) linear, angular; momentum_bias: (6,) its rate at zero acceleration.
         R_world_base: (3, 3); angular_velocity: (3,) rad/s of the base.
-        foot: (L, 3) m: lowest points of the feet, in the middle of each foot's spheres; velocity,
-            Jacobian (L, 3, n) and bias (L, 3) m/s2 are those of the middle of their centres.
+        foot: (L, 3) m: lowest points of the feet, of soles the place below their frames; velocity,
+            Jacobian (L, 3, n) and bias (L, 3) m/s2 are those of `FootContact.middle`, above it.
         R_world_foot: (L, 3, 3); foot_angular_velocity: (L, 3) rad/s; foot_rotation_jacobian:
             (L, 3, n); foot_rotation_bias: (L, 3) rad/s2.
         contact_jacobian: (C, 3, n): of the points that touch the ground, c a foot.
@@ -52,12 +52,11 @@ class WholeBody:
         self._frames, corners = [], []
         for leg, contact in zip(robot.legs, contacts, strict=True):
             foot = model.frames[leg.foot_frame_id]
-            middle = contact.centres.mean(axis=0)
-            corners.append(contact.centres - middle)
+            corners.append(contact.centres - contact.middle)
             frame = pin.Frame(
                 f"{leg.foot_frame}/middle",
                 foot.parentJoint,
-                foot.placement * pin.SE3(np.eye(3), middle),
+                foot.placement * pin.SE3(np.eye(3), contact.middle),
                 pin.FrameType.OP_FRAME,
             )
             self._frames.append(model.addFrame(frame))

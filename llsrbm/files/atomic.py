@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from llsrbm.errors import InputError
+from llsrbm.text_files import path_of
 
 MARK = "meta.json"  # the file by which a folder of ours is known: JSON with "package_version"
 
@@ -33,7 +34,7 @@ def staged(path: str | Path) -> Iterator[Path]:
     or a device (/dev/stdout) gets the bytes of the one file. Raises `InputError`: the path cannot
     be written, or names a folder that was not written by this.
     """
-    target = Path(path)
+    target = path_of(path)
     if target.parent.name.startswith(_PREFIX):  # stands in a folder that is to take its place
         yield target
         return
@@ -62,7 +63,7 @@ def check_place(path: str | Path) -> None:
     before what takes its time to find.
     """
     try:
-        target, special = _place(Path(path))
+        target, special = _place(path_of(path))
         if target.is_dir():
             raise IsADirectoryError(0, "it is a directory")
         if not special:

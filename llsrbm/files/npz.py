@@ -37,6 +37,7 @@ from llsrbm.files.quantity import (
     Kind,
     Quantity,
 )
+from llsrbm.text_files import path_of
 
 Arrays = dict[str, NDArray[Any]]
 
@@ -145,12 +146,13 @@ def open_archive(
     archive, damaged, too large or too long a list of members; also for whatever reading its members
     raises within the block.
     """
+    path = path_of(path)
     try:
-        kind = Path(path).stat().st_mode  # before it is opened: a pipe would be waited for
+        kind = path.stat().st_mode  # before it is opened: a pipe would be waited for
         if not stat.S_ISREG(kind):
             what = "it is a folder" if stat.S_ISDIR(kind) else "not a regular file"
             raise FileFormatError(f"{path}: cannot be read: {what}; {expected}")
-        with Path(path).open("rb") as file:
+        with path.open("rb") as file:
             yield Archive(file, str(path), expected, largest)
     except FileFormatError:
         raise

@@ -34,8 +34,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.trajectory import Trajectory, load
 from llsrbm.motion.whole_body import WholeBodyMotion
-from llsrbm.request.messages import look_up
+from llsrbm.request.messages import check_kind, look_up
 from llsrbm.robots import Robot, load_robot
+from llsrbm.text_files import path_of
 
 __all__ = ["FORMATS", "ORDERS", "Format", "Options", "Purpose", "export", "file_name", "find"]
 __all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion", "readable"]
@@ -125,7 +126,7 @@ def load_motion(
         InputError: no such format, or none that can be opened.
         RobotFileError: no such robot, or a wrong robot file.
     """
-    path = Path(path)
+    path = path_of(path)
     chosen = _recognised(path) if format is None else find(format)
     if chosen.read is None:
         raise InputError(
@@ -173,9 +174,10 @@ def _recognised(path: Path) -> Format:
     try:
         if not path.is_dir():
             path.open("rb").close()
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        reason = getattr(error, "strerror", None) or error
         raise FileFormatError(
-            f"{path}: cannot be read: {error.strerror or error}; expected {_openable()}"
+            f"{printable(str(path), 300)}: cannot be read: {reason}; expected {_openable()}"
         ) from error
     for each in readable():
         if each.recognises(path):
@@ -224,10 +226,12 @@ def export(
             or no motion; a value that makes no sense; a file that cannot be written. Nothing is
             left behind.
     """
-    names = [format] if isinstance(format, str) else list(dict.fromkeys(format))
-    if not names:
+    check_kind("trajectory", trajectory, Written, "a Plan, a Rollout or a WholeBodyMotion")
+    check_kind("format", format, str | Iterable, "a name or several")
+    names = [format] if isinstance(format, str) else format
+    formats = list({each.name: each for each in map(find, names)}.values())
+    if not formats:
         raise InputError("no format is named; expected one or more of `llsrbm formats`")
-    formats = [find(name) for name in names]
     _check_used(formats, options)
     if isinstance(trajectory, WholeBodyMotion):
         options = _of_motion(trajectory, formats, options)
@@ -236,7 +240,7 @@ def export(
         each.check_installed()
         if each.fits is not None and not isinstance(trajectory, WholeBodyMotion):
             each.fits(load_robot(trajectory.jump.robot))
-    path = Path(path)
+    path = path_of(path)
     zipped = path.suffix.lower() == ".zip"
     if len(formats) > 1 and not zipped:
         raise InputError(

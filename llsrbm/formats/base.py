@@ -14,6 +14,7 @@ from llsrbm.motion.robot import robot_of
 from llsrbm.motion.rollout import Rollout
 from llsrbm.motion.trajectory import Trajectory, description, motion_description
 from llsrbm.motion.whole_body import WholeBodyMotion, whole_body_motion
+from llsrbm.request.messages import Flag, Number
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.stated import stated_drives
 from llsrbm.robots.drives.variants import driven
@@ -42,7 +43,8 @@ class Options:
         packed: whether the messages themselves are written beside a table of their numbers.
 
     Raises:
-        InputError: an order, a size or a camera that makes no sense; rates are checked where used.
+        InputError: a value of another type, or an order, a size or a camera that makes no sense;
+            rates are checked where used.
     """
 
     fps: float = 60.0
@@ -53,6 +55,8 @@ class Options:
     packed: bool = False
 
     def __post_init__(self) -> None:
+        for name, spec in (("fps", Number("")), ("pad", Number("")), ("packed", Flag(""))):
+            object.__setattr__(self, name, spec.checked(name, getattr(self, name)))
         if self.order not in ORDERS:
             raise InputError(f"order: expected {' or '.join(ORDERS)}, got {self.order!r}")
         size, camera = self.size, self.camera

@@ -25,6 +25,7 @@ from llsrbm.robots.drives.variants import with_strength
 from llsrbm.robots.payload import with_payload
 from llsrbm.robots.robot import Robot
 from llsrbm.robots.schema import robot_files
+from llsrbm.text_files import path_of
 
 PARTS = "parts"
 """Folder of motions that a build has not put together yet, a file each."""
@@ -39,7 +40,7 @@ class Library:
     """The motions in a folder, which need not exist yet; its cards are read once."""
 
     def __init__(self, folder: str | Path) -> None:
-        self.folder = Path(folder)
+        self.folder = path_of(folder)
 
     @cached_property
     def _where(self) -> dict[str, tuple[Path, FileMeta, Card]]:

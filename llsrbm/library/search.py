@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from llsrbm.errors import InputError
 from llsrbm.library.card import KINDS, Card
 from llsrbm.request.jump_types import names
-from llsrbm.request.messages import look_up
+from llsrbm.request.messages import Number, check_kind, look_up
 from llsrbm.robots.schema import robot_files
+
+_NAMES = "robot", "kind"  # the filters that are no numbers
 
 
 @dataclass(frozen=True)
@@ -38,8 +39,8 @@ class Filters:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            if isinstance(value, float) and not math.isfinite(value):
-                raise InputError(f"{name}: expected a finite number, got {value}")
+            if value is not None and name not in _NAMES:
+                Number("").checked(name, value)
         low, high = self.min_distance, self.max_distance
         if low is not None and high is not None and low > high:
             raise InputError(
@@ -72,8 +73,13 @@ def found(
     A word is looked for in name, robot, kind and type: "back flip" finds `go2-back-flip-0001`.
 
     Raises:
-        InputError: filters with a robot or a kind that there is not.
+        InputError: words that are none, filters with a robot or a kind that there is not.
     """
+    check_kind("words", words, Sequence, "a list of words")
+    check_kind("filters", filters, Filters | None, "Filters")
+    words = [words] if isinstance(words, str) else words
+    for word in words:
+        check_kind("words", word, str, "words")
     filters, cards = filters or Filters(), list(cards)
     for what, given, own in (
         ("robot", filters.robot, [*robot_files(), *(card.robot for card in cards)]),

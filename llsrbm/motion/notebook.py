@@ -45,6 +45,21 @@ def notebook_html(trajectory: Trajectory) -> str:
     )
 
 
+def line(trajectory: Trajectory) -> str:
+    """A plan or a rollout as text: its kind, robot and request, and how it ended."""
+    if isinstance(trajectory, Plan):
+        ended = f"{trajectory.report.status}, {_certified(trajectory)}"
+    else:
+        ended = trajectory.outcome.status + (", strict" if trajectory.outcome.strict else "")
+    of_it = f"{Path(trajectory.jump.robot).stem}: {_request(trajectory.jump)}"
+    lasts = f"{len(trajectory.time)} instants in {trajectory.duration:.2f} s"
+    return f"<{type(trajectory).__name__} of {of_it}; {ended}; {lasts}>"
+
+
+def _certified(plan: Plan) -> str:
+    return "its certificate holds" if plan.certified else "not certified"
+
+
 def _replay(trajectory: Trajectory) -> str | None:
     for point in entry_points(group="llsrbm.formats", name=_FORMAT):
         format_ = point.load()
@@ -79,8 +94,7 @@ def _table(trajectory: Trajectory, why: str) -> str:
 def _figures(trajectory: Trajectory) -> list[tuple[str, str]]:
     rows = [("Duration", f"{trajectory.duration:.2f} s")]
     if isinstance(trajectory, Plan):
-        certified = "its certificate holds" if trajectory.certified else "not certified"
-        return [*rows, ("Plan", f"{trajectory.report.status}, {certified}")]
+        return [*rows, ("Plan", f"{trajectory.report.status}, {_certified(trajectory)}")]
     outcome = trajectory.outcome
     rows.append(("Outcome", f"{outcome.status} {outcome.reason}".strip()))
     if outcome.yaw_error_at_touchdown is not None:

@@ -28,6 +28,12 @@ class OfRobot:
         """(P,) what the numbers of `phase` stand for."""
         return self.schedule.names
 
+    def __repr__(self: Any) -> str:
+        """A line, where the fields would fill pages."""
+        from llsrbm.motion.notebook import line
+
+        return line(self)
+
     def _repr_html_(self: Any) -> str:
         """Show it in a notebook: its replay, or a table of figures."""
         from llsrbm.motion.notebook import notebook_html

@@ -51,7 +51,7 @@ from llsrbm.request.schedule import Schedule
 from llsrbm.request.tuning import Tuning
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Plan(OfRobot):
     """A planned jump at N + 1 knots: T = N + 1, L legs, C contacts, J joints.
 
@@ -156,13 +156,13 @@ class Plan(OfRobot):
             "base",
             listed=False,
         ),
-    ] = field(default=None, repr=False)
+    ] = None
     tuning: Tuning = field(default_factory=Tuning)
     limits: Mapping[str, float] = field(default_factory=dict)
-    solution: Iterate | None = field(default=None, repr=False)
+    solution: Iterate | None = None
     obstacle: Obstacle | None = None
     refinement: Refinement | None = None
-    certificate: StatedCertificate | None = field(default=None, repr=False)
+    certificate: StatedCertificate | None = None
 
     @property
     def friction(self) -> float:

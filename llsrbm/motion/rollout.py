@@ -97,7 +97,7 @@ class Disturbance:
         return model
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Rollout(OfRobot):
     """A simulated jump at T control ticks: L legs, J joints.
 
@@ -194,10 +194,10 @@ class Rollout(OfRobot):
     reference_angular_momentum: Annotated[
         Array, vector("kg m2/s", "tracked: angular momentum about the CoM", rate=True)
     ]
-    plan: Plan = field(repr=False)
+    plan: Plan
     control_parameters: dict[str, Any] = field(default_factory=dict)
-    replans: tuple[Replan, ...] = field(default=(), repr=False)
-    certificate: StatedCertificate | None = field(default=None, repr=False)
+    replans: tuple[Replan, ...] = ()
+    certificate: StatedCertificate | None = None
 
     @property
     def pushes(self) -> tuple[Push, ...]:

@@ -17,6 +17,7 @@ import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from functools import cached_property
+from numbers import Real
 from typing import Any, TypeVar
 
 import numpy as np
@@ -80,10 +81,11 @@ def evenly(trajectory: Plan | Rollout, fps: float, pad: float = 0.0) -> Array:
     return start + np.arange(-still, moving + still + 1) / fps
 
 
-def check_rate(fps: float) -> None:
+def check_rate(fps: Any) -> None:
     """Raise `InputError` unless `fps` is a rate at which something can be sampled."""
-    if not (math.isfinite(fps) and 0 < fps <= FASTEST):
-        raise InputError(f"frames per second: expected 0 < fps <= {FASTEST:.0f}, got {fps}")
+    number = isinstance(fps, Real) and not isinstance(fps, bool)
+    if not (number and math.isfinite(fps) and 0 < fps <= FASTEST):
+        raise InputError(f"frames per second: expected 0 < fps <= {FASTEST:.0f}, got {fps!r:.40}")
 
 
 def foothold_knots(plan: Plan) -> IntArray:

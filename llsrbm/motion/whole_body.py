@@ -30,7 +30,7 @@ _LEVEL = 0.01
 _SLIPS = 0.3  # m/s: the fastest that a foot that low may be; it wobbles and slips as it lands
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WholeBodyMotion:
     """A robot's motion at K instants: L legs, J joints in `Robot.joint_names`' order; world frame.
 
@@ -74,6 +74,10 @@ class WholeBodyMotion:
     phase: IntArray | None = None
     remarks: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        lasts = f"{len(self.time)} instants in {self.time[-1]:.2f} s"
+        return f"<WholeBodyMotion of {self.robot.name}, {self.origin}; {lasts}>"
+
     @property
     def qpos(self) -> Array:
         """(K, 7 + J) in MuJoCo's convention, joints in `Robot.joint_names`' order."""
@@ -99,7 +103,7 @@ def whole_body_motion(
         RobotFileError: the robot is not there.
     """
     times = with_events(trajectory, fps) if events else evenly(trajectory, fps, pad)
-    return motion_at(trajectory, times, None if events else fps)
+    return motion_at(trajectory, times, None if events else float(fps))
 
 
 def motion_at(
@@ -298,7 +302,7 @@ def _feet(robot: Robot, q: Array, v: Array) -> tuple[Array, Array]:
             moves = pin.getFrameVelocity(model, data, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             place[k, i], R[k, i] = placement.translation, placement.rotation
             linear[k, i], angular[k, i] = moves.linear, moves.angular
-    points = place + apply(R, np.array([contact.centres.mean(axis=0) for contact in contacts]))
+    points = place + apply(R, np.array([contact.middle for contact in contacts]))
     points[..., 2] -= [contact.radius for contact in contacts]
     # A ball rolls about its lowest point; a plan's foot turns about its frame.
     rolling = linear + cross(angular, points - place)

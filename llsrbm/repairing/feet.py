@@ -1,7 +1,7 @@
 """The feet of postures as the planner has them: a foot's frame, or the place below it.
 
 The contact points of a motion (`WholeBodyMotion.foot_position`) are elsewhere: a ball touches the
-ground beside what is below its leg's frame, and a sole's middle is that of its corners.
+ground beside what is below its leg's frame.
 """
 
 from __future__ import annotations

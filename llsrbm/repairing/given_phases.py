@@ -12,6 +12,7 @@ from typing import Any
 from llsrbm.errors import InputError
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.repairing.phases import BRIEF, ContactPhase, phase_name
+from llsrbm.request.messages import check_kind
 from llsrbm.text_files import parse_json, read_text
 
 Given = str | Path | Sequence[ContactPhase]
@@ -32,6 +33,7 @@ def given_phases(given: Given, motion: WholeBodyMotion) -> tuple[ContactPhase, .
         InputError: unreadable, or no such list; feet that the robot has not; times that are out of
             order or outside the motion; no flight between phases on all feet.
     """
+    check_kind("phases", given, str | Path | Sequence, f"{_WHAT}, or its file")
     where = str(given) if isinstance(given, str | Path) else "phases"
     phases = _read(Path(given), where) if isinstance(given, str | Path) else list(given)
     legs, end = motion.robot.leg_names, float(motion.time[-1])
@@ -75,6 +77,8 @@ def _checked(
     phase: ContactPhase, before: ContactPhase | None, legs: tuple[str, ...], end: float
 ) -> ContactPhase:
     """A phase with its feet in the robot's order, from where the one before it ends."""
+    if not isinstance(phase, ContactPhase):
+        raise InputError(f"expected one of `Repair.phases`, got {type(phase).__name__}")
     for foot in phase.feet:
         if foot not in legs:
             raise InputError(

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 
 from llsrbm.certificate import Certificate, certify, stated
-from llsrbm.errors import InputError
 from llsrbm.formats import load_any
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
@@ -23,6 +22,7 @@ from llsrbm.repairing.phases import ContactPhase, contact_phases
 from llsrbm.repairing.repeated import without_repeated
 from llsrbm.repairing.request import Request, request_of
 from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair
+from llsrbm.request.messages import Whole
 
 RATE = 100.0  # frames/s at which plans and rollouts are taken
 # What a motion may move without being called repaired, where no check of it is broken.
@@ -74,8 +74,7 @@ def repair(
         found = parts(states, own)
     except NoJump as error:
         return Repair(FAILED, before, phases=own, why=sentence(error))
-    if not 1 <= jump <= len(found):
-        raise InputError(f"jump: expected 1 to {len(found)}, got {jump}")
+    jump = Whole("", low=1, high=len(found)).checked("jump", jump)
     repaired, _ = repaired_part(found[jump - 1], before, watch)
     if repaired.status == FAILED or len(found) == 1:
         return repaired

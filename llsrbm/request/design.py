@@ -27,7 +27,7 @@ from pydantic import Field, PlainValidator
 from llsrbm.errors import FileFormatError, InputError, printable
 from llsrbm.installed import assets_directory
 from llsrbm.request.jump import AMOUNTS, Jump
-from llsrbm.request.messages import choices, field_specs, look_up
+from llsrbm.request.messages import check_kind, choices, field_specs, look_up
 from llsrbm.request.scenario import Scenario
 from llsrbm.request.tables import OneLine, Table, fault, validated
 from llsrbm.request.tuning import Tuning
@@ -59,6 +59,7 @@ def dump_design(design: Design) -> str:
     """A design as the text of a file: robot, model and task, and what differs from the defaults.
     Raises `InputError`: a title, a name or a number that no file may hold.
     """
+    check_kind("design", design, Design, "a Design")
     differing = {
         "title": design.title,
         "note": design.note,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, replace
 from typing import Annotated, Any
@@ -57,10 +57,10 @@ class Load(FieldSpec):
 
     def checked(self, name: str, value: Any) -> tuple[float, ...]:
         """See `FieldSpec`; four numbers, or none."""
-        numbers: list[float] = []
+        numbers: list[float] | None = None
         with suppress(TypeError, InputError):
             numbers = [Number("").checked(name, each) for each in value]
-        if isinstance(value, str) or not (len(numbers) in (1, 4) or value in ((), [])):
+        if isinstance(value, str | Mapping) or numbers is None or len(numbers) not in (0, 1, 4):
             raise InputError(f"{name}: expected {PAYLOAD} in kg and m, got {reprlib.repr(value)}")
         if not numbers or numbers[0] == 0:
             return ()
@@ -215,7 +215,7 @@ class Jump:
             if abs(turns - round(turns)) > _WHOLE:
                 raise InputError(
                     f"{name}: {math.degrees(getattr(self, name)):g} deg; expected whole turns: "
-                    "-360, 0 or 360 deg"
+                    "-360, 0 or 360 deg (in Python and in files in rad)"
                 )
 
     def _check_route(self) -> None:

@@ -22,7 +22,7 @@ from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
 from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.jump import TYPE_PARAMETERS as TYPE_PARAMETERS
-from llsrbm.request.messages import choices
+from llsrbm.request.messages import check_kind, choices
 from llsrbm.request.obstacle import wrong_shape
 from llsrbm.request.schedule import LONGEST_NAME, Phase, Schedule
 from llsrbm.request.tables import OneLine, Table, fault, read_table, validated
@@ -214,8 +214,9 @@ def schedule_of(jump: Jump, robot: Legs) -> Schedule:
 def of_its_type(jump: Jump) -> Jump:
     """The request, of the type that its whole turn is of: "flip" with a roll is a barrel roll.
 
-    Raises `InputError`: see `load_type`.
+    Raises `InputError`: it is no request, or see `load_type`.
     """
+    check_kind("jump", jump, Jump, "a Jump: llsrbm.plan(llsrbm.Jump(...))")
     for name, other in load_type(jump.type).instead.items():
         if getattr(jump, name):
             return replace(jump, type=other)

@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
 from numbers import Integral, Real
+from types import UnionType
 from typing import Any, TypeVar, get_type_hints
 
 from llsrbm.errors import InputError, printable
@@ -45,10 +46,28 @@ def look_up(kind: str, name: str, entries: Mapping[str, T], otherwise: str = "")
 
     Raises `InputError`: there is none.
     """
+    if not isinstance(name, str):
+        raise _refused(kind, "a name as text", name)
     if name not in entries:
         more = f", {otherwise}" if otherwise else ""
         raise InputError(f'no {kind} "{printable(name)}"; {choices(name, entries)}{more}')
     return entries[name]
+
+
+# ---- arguments of functions
+
+
+def check_kind(name: str, value: Any, kind: type | UnionType, expected: str) -> None:
+    """Raise `InputError` unless an argument is an instance of `kind`, which `expected` names."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name}: expected {expected}, got {type(value).__name__}")
+
+
+def check_functions(**functions: Any) -> None:
+    """Raise `InputError` unless each argument of a name is a function or None."""
+    for name, function in functions.items():
+        if function is not None and not callable(function):
+            raise _refused(name, "a function or None", function)
 
 
 # ---- fields of dataclasses

@@ -11,7 +11,7 @@ import pinocchio as pin
 
 from llsrbm.arrays import Array
 from llsrbm.errors import InputError
-from llsrbm.request.messages import look_up
+from llsrbm.request.messages import check_kind, look_up
 from llsrbm.robots.arms import built_arms
 from llsrbm.robots.description import changed, read_description
 from llsrbm.robots.feet import check_soles, foot_lift
@@ -74,6 +74,7 @@ def load_robot(name_or_path: str) -> Robot:
 
 
 def _path(name_or_path: str) -> Path:
+    check_kind("robot", name_or_path, str, "a name or a path as text")
     if "\0" in name_or_path:
         raise InputError("robot: expected a name or a path, got one with a null character")
     if name_or_path.endswith(".toml") or os.sep in name_or_path:

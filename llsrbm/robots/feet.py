@@ -27,6 +27,14 @@ class FootContact:
     centres: Array
     radius: float
 
+    @property
+    def middle(self) -> Array:
+        """(3,) m in that frame: the centre of a point foot's ball; of a sole what is above its
+        frame, the foot's place in plans, as high as the centres, which may lie further ahead.
+        """
+        middle: Array = self.centres.mean(axis=0)
+        return middle if len(self.centres) == 1 else middle * [0.0, 0.0, 1.0]
+
 
 @lru_cache(maxsize=16)
 def foot_contacts(robot: Robot) -> tuple[FootContact, ...]:

@@ -87,7 +87,7 @@ class Arm(Limb):
     mirror: Array
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Robot:
     """A robot as the rest of the library sees it: L legs, A arms, J joints.
 
@@ -322,6 +322,9 @@ class Robot:
     def fit(self) -> LegFit:
         """The fitted leg maps, from the cache if they have been computed before."""
         return self.load_fit(self)
+
+    def __repr__(self) -> str:
+        return f"<Robot {self.name}: {self.path}>"
 
     def parameters(self) -> dict[str, Any]:
         """The numbers that a plan depends on, as plain data for its file."""

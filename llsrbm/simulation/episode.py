@@ -102,7 +102,7 @@ class Recorder:
         contacts = foot_contacts(robot)
         q = np.array(self.q)
         com, inertia, momentum = centroidal_states(model, q, np.array(self.v))
-        middles = [contact.centres.mean(axis=0) for contact in contacts]
+        middles = [contact.middle for contact in contacts]
         foot = np.empty((len(q), len(contacts), 3))
         for k, position in enumerate(self.q):
             pin.forwardKinematics(model, data, position)

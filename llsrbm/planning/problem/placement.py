@@ -48,7 +48,8 @@ def make_task(
 
     Raises:
         InputError: a value beyond `FURTHEST`, a weight or a limit that is none, a jump type that is
-            none or not for this robot, a foot where its leg does not reach.
+            none or not for this robot, a gap or a bar that the type does not pass over, a foot
+            where its leg does not reach.
     """
     _check_amounts(jump)
     for name in ("speed", "end_speed"):
@@ -95,7 +96,8 @@ def _check_amounts(jump: Jump) -> None:
         value = scale * getattr(jump, name)
         if not abs(value) <= scale * most + 1e-6:
             ends = f"{-scale * most:g} to {scale * most:g} {unit}"
-            raise InputError(f"{name} {value:g} {unit} is out of range; expected {ends}")
+            here = " (in Python and in files in rad)" if unit == "deg" else ""
+            raise InputError(f"{name} {value:g} {unit} is out of range; expected {ends}{here}")
 
 
 def check_turns(jump: Jump, robot: Robot) -> None:

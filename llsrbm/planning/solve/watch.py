@@ -7,6 +7,7 @@ from typing import TypeVar
 from llsrbm.errors import Cancelled
 from llsrbm.ocp.horizon import Solution
 from llsrbm.ocp.progress import IterationTable, attended, interruptible, when_idle
+from llsrbm.request.messages import check_functions
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class Watch:
     def __init__(
         self, cancelled: Callable[[], bool] | None = None, progress: Progress | None = None
     ) -> None:
+        check_functions(cancelled=cancelled, progress=progress)
         self._cancelled, self._progress = cancelled, progress
         self._text = ""
         self._table = IterationTable()

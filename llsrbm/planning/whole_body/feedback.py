@@ -17,6 +17,7 @@ from scipy.linalg import expm
 
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.whole_body import motion_at, pinocchio_states
+from llsrbm.request.messages import check_kind
 from llsrbm.robots.drives.torques import friction_torque
 from llsrbm.robots.robot import Robot
 
@@ -51,9 +52,10 @@ def with_feedback(plan: Plan) -> Plan:
     that has them, or did not converge, comes back as it is.
 
     Raises:
-        InputError: its robot has other joints by now.
+        InputError: it is no plan, or its robot has other joints by now.
         RobotFileError: the robot is not there.
     """
+    check_kind("plan", plan, Plan, "a Plan")
     if plan.feedback_gain is not None or not plan.solved or plan.joint_torque is None:
         return plan
     middles = (plan.time[1:] + plan.time[:-1]) / 2

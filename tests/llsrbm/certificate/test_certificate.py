@@ -52,6 +52,10 @@ def slippery(folder):
     return path
 
 
+def test_equal_certificates_are_one_in_a_set(plan):
+    assert len({llsrbm.certify(plan), llsrbm.certify(plan)}) == 1
+
+
 def test_a_plan_is_judged_by_the_limits_that_it_was_planned_under(tmp_path, capfd):
     """Whoever says them, from the file alone, and by all who ask: the type's file is gone."""
     path, robot = slippery(tmp_path), load_robot("go2")

@@ -132,3 +132,10 @@ def test_the_conventions_of_one(capfd, name):
     for option in format_.options:
         assert f"{option} (default " in out
     assert max(map(len, format_.conventions.splitlines())) <= 100
+
+
+@pytest.mark.parametrize("command", [["export"], ["library", "export"]])
+def test_its_help_promises_no_rate_of_all_formats(command, capsys):
+    assert cli.main([*command, "--help"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "Frames per second. [default: (the format's)]" in shown

@@ -78,6 +78,17 @@ def test_feet_move_as_their_jacobians_say(name):
     np.testing.assert_allclose(turn, spin.transpose(0, 2, 1), atol=1e-5)
 
 
+@pytest.mark.parametrize("name", ["slider", "g1", "talos"])
+def test_soles_are_where_plans_place_them(name):
+    """Wherever in a sole the URDF's spheres are."""
+    robot = load_robot(name)
+    body, data = WholeBody(robot), robot.model.createData()
+    body.update(robot.posture, np.zeros(robot.model.nv))
+    pin.framesForwardKinematics(robot.model, data, robot.posture)
+    places = np.array([data.oMf[leg.foot_frame_id].translation for leg in robot.legs])
+    np.testing.assert_allclose(body.foot, places, atol=1e-4)
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_a_heavier_trunk_has_more_of_the_trunks_momentum(name):
     """By finite differences of the trunk's mass, about the CoM as it then is."""

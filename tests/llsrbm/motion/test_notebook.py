@@ -79,3 +79,12 @@ def test_the_page_is_loaded_where_it_is_wanted():
     code = "import sys, llsrbm.motion.notebook; assert 'app' not in sys.modules; import app.replay;"
     code += "from llsrbm.formats import FORMATS; assert FORMATS['html']"
     printed(code)
+
+
+def test_as_text_it_is_a_line():
+    plan = synthetic_plan(twist=0.5)
+    for motion, begins in ((plan, "<Plan of anymal: "), (synthetic_rollout(plan), "<Rollout of ")):
+        assert repr(motion).startswith(begins)
+        assert "twist 0.5" in repr(motion)
+        assert len(repr(motion)) < 200
+        assert "\n" not in repr(motion)

@@ -154,3 +154,10 @@ def test_a_rollouts_own_ticks_are_taken_as_they_are():
     assert motion.joint_position.tolist() == joints.tolist()
     same_attitude(motion.base_quat, rollout.base_quat[at], atol=1e-12)
     np.testing.assert_allclose(motion.qvel[:, :6], rollout.qvel[at, :6], atol=1e-9)
+
+
+def test_as_text_it_is_a_line():
+    motion = whole_body_motion(planned("go2"), 50.0)
+    assert repr(motion).startswith("<WholeBodyMotion of go2, plan; ")
+    assert len(repr(motion)) < 100
+    assert repr(motion.robot).startswith("<Robot go2: ")

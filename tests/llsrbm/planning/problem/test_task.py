@@ -51,11 +51,17 @@ def test_twists_beyond_half_a_turn_go_the_long_way():
     assert quat[0] < 0
 
 
+RAD = " (in Python and in files in rad)"
+
+
 @pytest.mark.parametrize(
     ("request_", "message"),
     [
-        ({"twist": np.radians(800)}, "twist 800 deg is out of range; expected -720 to 720 deg"),
-        ({"twist": -13.0}, "twist -744.845 deg is out of range; expected -720 to 720 deg"),
+        (
+            {"twist": np.radians(800)},
+            f"twist 800 deg is out of range; expected -720 to 720 deg{RAD}",
+        ),
+        ({"twist": -13.0}, f"twist -744.845 deg is out of range; expected -720 to 720 deg{RAD}"),
         ({"forward": 50.0}, "forward 50 m is out of range; expected -3 to 3 m"),
         ({"lateral": -3.1}, "lateral -3.1 m is out of range; expected -3 to 3 m"),
         ({"height": 4.0}, "height 4 m is out of range; expected -3 to 3 m"),
