@@ -50,11 +50,14 @@ def not_supported(robot: Robot, name: str) -> str:
 def with_type(jump: Jump, name: str) -> Jump:
     """The request as one of another type, with that type's defaults; the landing place stays.
 
-    A flip begins on the spot and without a twist, as plans of flips with one are not known.
+    A flip begins on the spot and without a twist, as plans of flips with one are not known; jumps
+    over a gap or a bar begin without one, as each of them would turn by it.
     """
     jump = with_defaults(replace(jump, type=name))
     if jump.turns:
         jump = replace(jump, twist=0.0, forward=0.0, lateral=0.0, height=0.0)
+    if jump_types.load_type(name).passes:
+        jump = replace(jump, twist=0.0)
     shown = {*landing_fields(jump), *surface_fields(jump)}
     others: dict[str, Any] = dict.fromkeys({*COMPONENTS, *INCLINES} - shown, 0.0)
     return replace(jump, **others)

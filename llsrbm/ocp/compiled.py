@@ -161,7 +161,9 @@ def _loop(function: ca.Function, columns: Sequence[int], count: int, scratch: st
         [ca.Sparsity.dense(function.size1_in(i), n) for i, n in enumerate(columns)],
         [ca.Sparsity.dense(function.size1_out(i), count) for i in range(n_out)],
     )
-    options = {"buffered": False, "jit_options": {"directory": f"{scratch}/"}}
+    # It may live longer than that folder, and would complain that its files are gone.
+    own = {"directory": f"{scratch}/", "cleanup": False}
+    options = {"buffered": False, "jit_cleanup": False, "jit_options": own}
     return ca.Function.jit(f"each_{name}", body, *names, *sparsities, options)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from llsrbm.arrays import Array
 from llsrbm.errors import InputError, NoFooting
+from llsrbm.mechanics import turns_about_z
 from llsrbm.planning.problem.task import Footholds
 from llsrbm.request.jump import INCLINES, Jump
 from llsrbm.request.jump_types import Displacement, JumpType
@@ -18,6 +20,8 @@ RAMP = 0.04  # m, length of a ramp of the clearance profile: feet move about as 
 # m that a foot stands from an edge beyond its own radius; our choice: feet of most disturbed jumps
 # end within 15 mm of where they are planned to.
 SCATTER = 0.02
+# rad: jumps that turn more lead aside rather than over what they are to pass; our choice.
+_MOST_TWIST = np.radians(60.0)
 _SIZES = ("gap", "bar")  # fields of a request, of what the whole robot passes over
 
 
@@ -86,7 +90,8 @@ def passing(
     Of two the first ends astride it, as near to the middle of the way as the feet have room.
 
     Raises:
-        InputError: the request says how far, too.
+        InputError: the request says how far, too, or turns by a quarter of a turn or more in each
+            of two jumps, the second of which would not lead beyond it.
         NoFooting: the obstacle is too wide to stand astride.
     """
     if jump.forward:
@@ -94,18 +99,34 @@ def passing(
             f"forward: jumps of type {jump.type} lead as far as what they pass over asks; "
             f"expected 0, got {jump.forward:g} m"
         )
-    feet, room = start.feet[:, 0], footing_room(robot, is_gap=obstacle.is_gap)
-    whole = obstacle.far + room - float(feet.min())
+    if count > 1 and abs(jump.twist) > _MOST_TWIST:
+        most = np.degrees(_MOST_TWIST)
+        raise InputError(
+            f"twist: each of the two jumps of type {jump.type} turns by it, and the second leads "
+            f"along the heading after the first; expected {-most:g} to {most:g} deg"
+        )
+    room, x = footing_room(robot, is_gap=obstacle.is_gap), start.feet[:, 0]
+    once, twice = (_ahead(start, turns * jump.twist) for turns in (1, 2))
     if count == 1:
-        return (Displacement(forward=whole),)
-    middle = (feet.max() + feet.min()) / 2
-    shortest = obstacle.far + room - float(feet[feet > middle].min())
-    longest = obstacle.near - room - float(feet[feet < middle].max())
+        return (Displacement(forward=obstacle.far + room - float(once.min())),)
+    hind = x < (x.max() + x.min()) / 2
+    shortest = obstacle.far + room - float(once[~hind].min())
+    longest = obstacle.near - room - float(once[hind].max())
     if shortest > longest:
         width = obstacle.far - obstacle.near
+        turned = f", turned by {np.degrees(jump.twist):.0f} deg" if jump.twist else ""
         raise NoFooting(
             f"{'gap' if obstacle.is_gap else 'bar'}: {robot.name} cannot stand astride "
-            f"{width:.3f} m; expected at most {max(width - shortest + longest, 0.0):.3f} m"
+            f"{width:.3f} m{turned}; expected at most {max(width - shortest + longest, 0.0):.3f} m"
         )
+    whole = obstacle.far + room - float(twice.min())
     first = float(np.clip(whole / 2, shortest, longest))
-    return Displacement(forward=first), Displacement(forward=whole - first)
+    # The second jump leads along the heading after the first.
+    ahead = whole - first + jump.lateral * np.sin(jump.twist)
+    return Displacement(forward=first), Displacement(forward=float(ahead / np.cos(jump.twist)))
+
+
+def _ahead(start: Footholds, heading: float) -> Array:
+    """(L,) m, how far ahead of the start's origin the feet stand with another heading, rad."""
+    ahead: Array = (turns_about_z(heading) @ start.feet.T)[0]
+    return ahead

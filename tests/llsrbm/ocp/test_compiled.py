@@ -1,5 +1,6 @@
 """Compiled functions give the numbers that CasADi's own evaluation gives, and nobody waits."""
 
+import gc
 import os
 import shutil
 import subprocess
@@ -7,12 +8,13 @@ import sys
 import time
 from pathlib import Path
 
+import casadi as ca
 import numpy as np
 import pytest
 
 from llsrbm.ocp import compile_job, solvers
 from llsrbm.ocp.compile_job import failed
-from llsrbm.ocp.compiled import Compiler, Library, c_files, compiler, packed
+from llsrbm.ocp.compiled import Compiler, Library, _loop, c_files, compiler, packed
 from llsrbm.ocp.solvers import SolveOptions
 from llsrbm.ocp.transcription import FUNCTIONS
 from tests.llsrbm.ocp.cart import INTERVALS, problem, transcription
@@ -189,3 +191,15 @@ def test_a_session_of_its_own_yields_to_all_others():
         [sys.executable, "-c", program], start_new_session=True, capture_output=True, text=True
     )
     assert own.stdout.split()[-1] == "19"
+
+
+def test_functions_that_live_longer_than_their_files_end_in_silence(tmp_path, capfd):
+    x = ca.SX.sym("x")
+    scratch = tmp_path / "scratch"
+    scratch.mkdir()
+    loop = _loop(ca.Function("doubled", [x], [2 * x]), [3], 3, str(scratch))
+    assert list(scratch.iterdir())
+    shutil.rmtree(scratch)
+    del loop
+    gc.collect()
+    assert capfd.readouterr() == ("", "")

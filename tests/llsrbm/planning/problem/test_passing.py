@@ -55,3 +55,23 @@ def test_wider_than_a_robot_stands_astride_is_refused_with_what_it_can():
 def test_what_the_type_needs_is_said(jump, said):
     with pytest.raises(InputError, match=said):
         make_task(Jump(robot="go2", **jump), load_robot("go2"))
+
+
+@pytest.mark.parametrize("name", ["go2", "anymal", "g1"])
+@pytest.mark.parametrize(("twist", "lateral"), [(0.0, 0.0), (0.3, 0.1), (-0.3, 0.1), (0.2, -0.15)])
+@pytest.mark.parametrize(("kind", "size"), [("over-gap", "gap"), ("over-hurdle", "bar")])
+def test_feet_keep_their_room_however_the_jumps_turn(name, twist, lateral, kind, size):
+    robot = load_robot(name)
+    jump = Jump(robot=name, type=kind, twist=twist, lateral=lateral, **{size: 0.06})
+    task = make_task(jump, robot)
+    room = footing_room(robot, is_gap=size == "gap") - 1e-9
+    for place in task.places:
+        x = place.feet[:, 0]
+        assert ((x <= task.obstacle.near - room) | (x >= task.obstacle.far + room)).all()
+    nearest = task.places[-1].feet[:, 0].min()
+    assert nearest == pytest.approx(task.obstacle.far + room)
+
+
+def test_two_jumps_that_would_lead_aside_are_refused():
+    with pytest.raises(InputError, match=r"twist: each of the two jumps .* expected -60 to 60 deg"):
+        make_task(Jump(robot="go2", type="over-gap", gap=0.1, twist=1.3), load_robot("go2"))
