@@ -34,14 +34,14 @@ def read_text(
 
     Raises `error`: one line that names the file and what is wrong with it.
     """
-    path = path_of(path)
+    there = path_of(path)  # messages name it as it was written
     try:
-        kind = path.stat().st_mode  # before it is opened: a pipe would be waited for
+        kind = there.stat().st_mode  # before it is opened: a pipe would be waited for
         if stat.S_ISDIR(kind):
             raise error(f"{path}: cannot be read (it is a folder); expected {what}")
         if not stat.S_ISREG(kind) and not (piped and str(path).startswith(_PIPED)):
             raise error(f"{path}: cannot be read (not a regular file); expected {what}")
-        with path.open("rb") as file:
+        with there.open("rb") as file:
             content = file.read(largest + 1)
     except (OSError, ValueError) as reason:  # ValueError: a name that no file can have
         why = reason.strerror if isinstance(reason, OSError) else str(reason)
