@@ -61,6 +61,7 @@ class Clearance(Check):
     def __init__(self) -> None:
         super().__init__()
         self._around: Surroundings | None = None
+        self._geometries: list[coal.ShapeBase] = []  # of the links' shapes
 
     def take(self, motion: SampledMotion) -> None:
         """The link that is nearest to its surroundings, or deepest in them."""
@@ -72,7 +73,9 @@ class Clearance(Check):
         if (lost := motion.lost) is not None:
             self.least(motion, -np.inf, lost, TOUCHING, "")
             return
-        distance, instant, name = _nearest(motion, self._around)
+        if not self._geometries:
+            self._geometries = [shape.geometry() for shape in link_shapes(motion.robot)]
+        distance, instant, name = _nearest(motion, self._around, self._geometries)
         self.least(motion, distance, instant, TOUCHING, name)
 
 
@@ -89,10 +92,14 @@ def _around(motion: SampledMotion) -> Surroundings | None:
     return Surroundings(float(np.median(heights[lowest])), ())
 
 
-def _nearest(motion: SampledMotion, around: Surroundings) -> tuple[float, int, str]:
-    """The least distance, m, its instant's number, and what is that near to what."""
+def _nearest(
+    motion: SampledMotion, around: Surroundings, geometries: Sequence[coal.ShapeBase]
+) -> tuple[float, int, str]:
+    """The least distance, m, its instant's number, and what is that near to what.
+
+    `geometries`: of the links' shapes.
+    """
     shapes, bodies = link_shapes(motion.robot), around.solids
-    geometries = [shape.geometry() for shape in shapes]
     boxes = [coal.Box(*block.size) for block in bodies]
     places = [coal.Transform3s(block.rotation, block.centre) for block in bodies]
     rotation, centre = _placed(motion, shapes)
