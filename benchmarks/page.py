@@ -3,8 +3,9 @@
 Times are taken inside the page. Chromium draws in software here, on the processor that also plans,
 so nothing else should run beside it. `--drag` and `--play` say for how long, s; `--reach` how far:
 with 12 pixels the twist stays where every jump can be planned, with 30 it goes beyond. `--others`
-drags the other sliders too, each to and fro between places at random. Last, a twist is typed that
-cannot be planned with drives that may give less: the time to the verdict.
+drags the other sliders too, each to and fro between places at random. Last, twists are typed: the
+time until their plan is certified, and with drives that may give less, where none can be planned,
+the time to the verdict.
 """
 
 import argparse
@@ -26,24 +27,29 @@ LAST_ANSWER = 90_000  # ms at most: where a jump cannot be done less of it is lo
 OTHERS = {"forward": "Forward [m]", "lateral": "Lateral [m]", "height": "Landing height [m]"}
 FASTEST = 6  # pixels a step, at random
 SEED = 7
+RESTING = (20, 65, 110, 35, 80, 125, 50, 95)  # twists in degrees, one after the other
+SETTLED = "[role=status][aria-busy=false]"  # the status line of a request's last answer
 TYPED = [  # twist in degrees, share of the drives' torque: none can be planned
     (170, 0.45),
     (140, 0.4),
     (-160, 0.5),
 ]
 
-# Types a number into a field, and notes how long it takes to a verdict that is no plan of it.
-VERDICT = """([field, value]) => new Promise(resolve => {
-  const status = document.querySelector('[role=status]');
+# Types a number into a field, and notes how long it takes to a line of the status, which a selector
+# finds, with a verdict at its beginning; and that line.
+VERDICT = """([field, value, lines, verdict]) => new Promise(resolve => {
   const set = Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set;
   const began = performance.now();
   field.focus();
   set.call(field, value);
   field.dispatchEvent(new Event("input", { bubbles: true }));
   field.blur();
+  let changed = false;
   const look = () => {
-    const line = document.querySelector('[role=status]').innerText;
-    if (/^\\s*(Nearest|Infeasible)/.test(line)) resolve([performance.now() - began, line]);
+    changed ||= document.querySelector('[role=status][aria-busy=true]') !== null;
+    const line = document.querySelector(lines)?.innerText ?? '';
+    if (changed && RegExp(`^\\s*(${verdict})`).test(line))
+      resolve([performance.now() - began, line]);
     else setTimeout(look, 5);
   };
   look();
@@ -128,7 +134,7 @@ def drag(page, seconds, places, name="twist", label="Twist [deg]"):
 
 def answered(page):
     """Wait until the request has its last answer, whatever it is."""
-    page.locator('[role="status"][aria-busy="false"]').wait_for(timeout=LAST_ANSWER)
+    page.locator(SETTLED).wait_for(timeout=LAST_ANSWER)
 
 
 def latencies(steps, drawn):
@@ -182,6 +188,19 @@ def limit_torque(page, share):
     answered(page)
 
 
+def rests(page):
+    """Print how long typed twists take until their plans are certified."""
+    field = number(page, "Twist [deg]").element_handle()
+    taken = []
+    for twist in RESTING:
+        taken.append(page.evaluate(VERDICT, [field, str(twist), SETTLED, "Feasible"])[0])
+        page.wait_for_timeout(TAKE_UP / 4)
+    print(
+        f"typed to certified             {np.median(taken):6.0f} ms median, {max(taken):.0f} ms "
+        f"worst of {len(taken)}"
+    )
+
+
 def verdicts(page):
     """Print how long typed twists that cannot be planned take to their verdicts."""
     taken = []
@@ -189,7 +208,9 @@ def verdicts(page):
         type_into(page, "Twist [deg]", 0)
         limit_torque(page, share)
         field = number(page, "Twist [deg]").element_handle()
-        took, line = page.evaluate(VERDICT, [field, str(twist)])
+        took, line = page.evaluate(
+            VERDICT, [field, str(twist), "[role=status]", "Nearest|Infeasible"]
+        )
         taken.append(took)
         print(
             f"  {twist}° with {share:.0%} of the torque   {took:6.0f} ms: {line.split(chr(10))[0]}"
@@ -267,6 +288,7 @@ def main():
             page.wait_for_timeout(3000)
             rate, _ = frame_rate(page, 8.0)
             print(f"playing with a simulation        {rate:6.1f} frames/s")
+            rests(page)
             verdicts(page)
         print(f"memory, server and processes     {sum(resident(server.pid)):6.0f} MB")
 
