@@ -1,5 +1,7 @@
 """A page that tests share, and how it is brought back to where each of them begins."""
 
+import math
+
 from app.link import BesideChosen
 from app.panel.acts import Act
 from app.panel.view_controls import View
@@ -8,7 +10,7 @@ from app.plots.choice import DEFAULT
 from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.tab.start.opening import TabOpened, first_state
-from tests.app.chromium import BASE, PACE, VIEW, opened, status, tab
+from tests.app.chromium import BASE, PACE, VIEW, number, opened, status, tab
 from tests.app.synthetic_plan import refined_plan, synthetic_plan
 from tests.app.waits import wait_until
 
@@ -133,3 +135,12 @@ def _open_example(page, session):
         " && Math.abs(last - end) < 1e-6; }",
         arg=[design.jump.robot, design.jump.twist, plan.duration],
     )
+    for label, value in (
+        ("Twist [deg]", math.degrees(design.jump.twist)),
+        ("Forward [m]", design.jump.forward),
+    ):
+        box = number(page, label)
+        wait_until(
+            lambda box=box, value=value: abs(float(box.input_value() or "nan") - value) < 0.01,
+            f"the example's {label}",
+        )
