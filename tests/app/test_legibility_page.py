@@ -41,7 +41,11 @@ def laid_out(page):
 
 
 @pytest.mark.parametrize(
-    ("size", "night"), [(DESK, False), (TABLET, True)], ids=["desk by day", "tablet by night"]
+    ("size", "night"),
+    [
+        pytest.param(DESK, False, id="desk by day"),
+        pytest.param(TABLET, True, id="tablet by night", marks=pytest.mark.nightly),
+    ],
 )
 def test_everything_can_be_read(page, size, night):
     page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))

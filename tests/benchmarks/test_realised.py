@@ -36,6 +36,7 @@ def test_those_of_the_simpler_models_are_not(twists):
         assert twists[name].inertia_errors[2] > 2 * plus.inertia_errors[2]
 
 
+@pytest.mark.nightly
 def test_turning_jumps_of_any_type_are_true_in_flight():
     """Every diagonal inertia within 5 %, every component of L within 5 % of its peak."""
     jump = Jump(**TYPES["hops"] | {"twist": np.pi / 4})
@@ -46,6 +47,7 @@ def test_turning_jumps_of_any_type_are_true_in_flight():
     assert turning.momentum_errors.max() < 0.05
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", FLIPS)
 def test_flips_are_true_in_flight(name):
     """The plan is made with a model that the whole body has corrected."""
@@ -58,6 +60,7 @@ def test_flips_are_true_in_flight(name):
     assert np.degrees(np.abs(found.turn_error)).max() < 1.0
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["rear-last", "run-up"])
 def test_straight_jumps_of_any_type_hardly_turn_otherwise_than_planned(name):
     """Without a turn L is the little that legs and trunk, 0.4 each, leave of each other.

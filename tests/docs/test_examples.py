@@ -42,6 +42,7 @@ def planned_once():
         yield
 
 
+@pytest.mark.nightly
 @pytest.mark.timeout(900)  # a machine without a cache builds solvers first
 @pytest.mark.parametrize("page", WITH_PYTHON, ids=name_of)
 def test_python_runs(page, tmp_path, monkeypatch):
@@ -79,6 +80,7 @@ def small_sweep():
     assert main(["sweep", "two.toml", "--out", "DIR", "--workers", "1"]) == 0
 
 
+@pytest.mark.nightly
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize("page", WITH_SHELL, ids=name_of)
 def test_shell_runs(page, tmp_path, monkeypatch, capsys):

@@ -145,6 +145,7 @@ def serving(port=0):
         process.stdout.close()
 
 
+@pytest.mark.nightly
 def test_the_server_is_killed_and_the_page_goes_on_with_the_next_one(browser):
     with serving() as (process, port):
         page = opened(browser, f"http://127.0.0.1:{port}/")

@@ -169,6 +169,7 @@ def test_a_push_in_mid_flight_is_recovered_from_only_by_planning_anew(takes):
     assert anew.peak_tilt < 0.7 * without.peak_tilt
 
 
+@pytest.mark.nightly
 def test_the_whole_bodys_plan_is_planned_anew_with_its_feet_where_they_shall_land(takes):
     takes(0.0)
     jump = llsrbm.Jump(robot="go2", twist=0.5, forward=0.1, stones={"FL": (0.03, 0.02)})
@@ -215,6 +216,7 @@ def quarter_turn():
     return llsrbm.plan(llsrbm.Jump(robot="slider", twist=np.radians(45)), draft=True)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("moment", ["lift-off", "mid-flight"])
 def test_soles_are_moved_elsewhere_only_where_there_is_time(takes, moment):
     takes(0.015)

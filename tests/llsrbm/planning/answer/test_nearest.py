@@ -65,6 +65,7 @@ def test_it_is_a_plan_of_a_round_request():
     assert 2 * math.atan2(turned[3], turned[0]) == pytest.approx(plan.jump.twist, abs=2e-3)
 
 
+@pytest.mark.nightly
 def test_its_single_feet_land_where_they_shall():
     stones = {"LF": (0.05, 0.03), "RH": (-0.03, 0.0)}
     plan = refusal(replace(FAR, stones=stones), explains=False).nearest
@@ -120,6 +121,7 @@ def test_a_request_beyond_starts_from_the_nearest_that_is_shown():
     assert back.jump.twist == pytest.approx(shown.jump.twist, abs=math.radians(3))
 
 
+@pytest.mark.nightly
 def test_of_several_ways_to_less_the_one_that_keeps_most_is_found():
     """Half of the request as the guess leads to 81 degrees; nothing changes its sign or grows."""
     jump = Jump(twist=math.pi, height=0.3)
@@ -195,6 +197,7 @@ def test_stops_in_words():
     )
 
 
+@pytest.mark.nightly
 def test_what_the_check_agrees_to_in_the_end_is_planned_in_full():
     """What the rows keep of the limits costs it half a degree."""
     jump = Jump(twist=math.radians(84.0), forward=0.54, lateral=-0.07, height=0.15)

@@ -33,6 +33,7 @@ def test_replayed(model):
     assert turned(states, plan).max() < 0.05
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", [*TYPES, *FLIPS])
 def test_any_schedule_replayed(name):
     s = solved("llsrbm-plus", name, "go2" if name in FLIPS else "anymal")

@@ -57,7 +57,7 @@ def test_jumps_to_the_other_side_are_the_mirror_image():
     np.testing.assert_allclose(knots.feet_in_hip, first().feet_in_hip[:, legs], atol=0.01)
 
 
-@pytest.mark.parametrize("phase", [FLIGHT, LANDING])
+@pytest.mark.parametrize("phase", [FLIGHT, pytest.param(LANDING, marks=pytest.mark.nightly)])
 def test_what_is_planned_anew_does_not_depend_on_the_heading(phase):
     """From the same push, seen from the robot."""
     at = state(plan().phase_start[phase] + 0.04, phase, velocity=(0.2, 0.3, 0.0))

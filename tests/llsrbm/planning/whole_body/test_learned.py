@@ -216,7 +216,7 @@ class StopFollowing(Exception):
     """Ends a solve as it begins."""
 
 
-@pytest.mark.parametrize("robot", ["anymal", "go2"])
+@pytest.mark.parametrize("robot", [pytest.param("anymal", marks=pytest.mark.nightly), "go2"])
 def test_a_plan_from_a_table_ends_as_it_begins_turned_and_moved_by_all_that_was_asked(robot):
     """Between the table's jumps of 120 degrees on ANYmal's spot ends were turned by 109."""
     jump = llsrbm.Jump(robot=robot, twist=math.radians(120), lateral=0.1)

@@ -74,7 +74,7 @@ def test_rows_with_an_offset_are_those_of_the_landing_that_is_moved(name, offset
         assert moved[row] == pytest.approx(placed[row], abs=within), row
 
 
-@pytest.mark.parametrize("name", ["go2", "anymal"])
+@pytest.mark.parametrize("name", [pytest.param("go2", marks=pytest.mark.nightly), "anymal"])
 def test_a_landing_is_moved_as_far_as_the_robot_can(name):
     robot = load_robot(name)
     wanted = Jump(robot=name, twist=math.radians(175), forward=0.3, height=0.1)

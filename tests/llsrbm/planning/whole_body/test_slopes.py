@@ -21,6 +21,7 @@ JUMPS = {
     "from": {"robot": "go2", "forward": 0.2, "takeoff_slope": -SLOPE},
     "soles": {"robot": "slider", "forward": 0.25, "slope": -SLOPE, "cross_slope": 0.1},
 }
+NIGHTLY = [pytest.param(name, marks=pytest.mark.nightly) for name in ("from", "soles")]
 ON_IT = 1e-3  # m
 
 
@@ -49,7 +50,7 @@ def balls(found, robot, knot):
     )
 
 
-@pytest.mark.parametrize("name", JUMPS)
+@pytest.mark.parametrize("name", ["onto", *NIGHTLY])
 def test_balls_touch_the_surface_and_stay_above_it(name):
     found = plan(name)
     assert found.certified
@@ -66,7 +67,7 @@ def test_balls_touch_the_surface_and_stay_above_it(name):
         assert np.abs(off).max() < ON_IT, knot
 
 
-@pytest.mark.parametrize("name", JUMPS)
+@pytest.mark.parametrize("name", ["onto", *NIGHTLY])
 def test_forces_are_in_the_cone_of_the_surface(name):
     found = plan(name)
     legs = found.foot_position.shape[1]
@@ -78,7 +79,7 @@ def test_forces_are_in_the_cone_of_the_surface(name):
     assert found.certificate["friction"]["holds"]
 
 
-@pytest.mark.parametrize("name", JUMPS)
+@pytest.mark.parametrize("name", ["onto", *NIGHTLY])
 def test_the_robot_stands_level_to_it_and_on_soles_upright(name):
     found = plan(name)
     normal = foot_normals(found, found.time[-1:])[0, 0]
@@ -87,7 +88,7 @@ def test_the_robot_stands_level_to_it_and_on_soles_upright(name):
     np.testing.assert_allclose(up, upright if name == "soles" else normal, atol=1e-3)
 
 
-@pytest.mark.parametrize("name", JUMPS)
+@pytest.mark.parametrize("name", ["onto", *NIGHTLY])
 def test_it_is_followed(name):
     rollout = llsrbm.simulate(plan(name), seed=5)
     assert rollout.outcome.strict

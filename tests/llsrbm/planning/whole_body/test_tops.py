@@ -50,6 +50,7 @@ def test_they_say_how_far_the_highest_place_is_from_the_limits(plan):
         assert row.slope @ moved == pytest.approx(sign * rise, abs=1e-8)
 
 
+@pytest.mark.nightly
 def test_draft_and_whole_bodys_plan_fly_as_high_as_was_asked(plan):
     wanted = highest(plan) + 0.05
     limits = {"apex_min": wanted - 1.5e-3, "apex_max": wanted + 1.5e-3}
