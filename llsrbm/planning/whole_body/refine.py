@@ -11,7 +11,6 @@ from functools import partial
 from typing import NamedTuple
 
 from llsrbm.arrays import Array
-from llsrbm.mechanics import quaternions_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.solve_report import UNTRIED, Refinement
@@ -247,8 +246,7 @@ class Refiner:
         robot, grid = self.robot, self.grid
         motion = Motion.of(nearby.variables, grid, Sizes.of(robot, len(grid.phases)))
         task = task_of(plan, robot)
-        place, heading = footholds(task, grid)
-        feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
+        feet = Feet(*footholds(task, grid), tilts(task, grid))
         return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended(robot)
 
 

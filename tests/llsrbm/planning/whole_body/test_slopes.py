@@ -67,6 +67,17 @@ def test_balls_touch_the_surface_and_stay_above_it(name):
 
 
 @pytest.mark.parametrize("name", JUMPS)
+def test_forces_act_where_standing_feet_touch(name):
+    found = plan(name)
+    robot = load_robot(found.jump.robot)
+    normals, radius = foot_normals(found, found.time), foot_contacts(robot)[0].radius
+    for knot in (0, len(found.time) // 4, -2, -1):
+        touching = balls(found, robot, knot) - radius * normals[knot][:, None]
+        stated = found.contact_point[knot].reshape(touching.shape)
+        np.testing.assert_allclose(stated, touching, atol=ON_IT)
+
+
+@pytest.mark.parametrize("name", JUMPS)
 def test_forces_are_in_the_cone_of_the_surface(name):
     found = plan(name)
     legs = found.foot_position.shape[1]
