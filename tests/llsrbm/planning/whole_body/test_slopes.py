@@ -20,6 +20,8 @@ JUMPS = {
     "onto": {"robot": "go2", "forward": 0.25, "slope": SLOPE, "cross_slope": -0.1},
     "from": {"robot": "go2", "forward": 0.2, "takeoff_slope": -SLOPE},
     "soles": {"robot": "slider", "forward": 0.25, "slope": -SLOPE, "cross_slope": 0.1},
+    # The frames of its feet are not in the middles of their balls.
+    "frames": {"robot": "anymal", "forward": 0.2, "slope": 0.1},
 }
 ON_IT = 1e-3  # m
 
