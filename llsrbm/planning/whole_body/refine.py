@@ -29,6 +29,7 @@ from llsrbm.planning.whole_body.joined import joined
 from llsrbm.planning.whole_body.learned_file import table_for
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
+from llsrbm.planning.whole_body.requested_limits import limit_violations
 from llsrbm.planning.whole_body.result import Feet, plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
@@ -229,7 +230,8 @@ class Refiner:
             self.rows = RowBounds(self.robot, self.grid, rounds.sizes, rounds.start)
             feet = Feet(rounds.start.place, rounds.start.foot_quat, rounds.start.tilt)
             whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
-            result = replace(whole, violations=rounds.found, certificate=None)
+            beyond = limit_violations(whole, rounds.start.task, self.robot)
+            result = replace(whole, violations=rounds.found | beyond, certificate=None)
         report = Refinement(
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),
