@@ -6,6 +6,7 @@ from llsrbm.arrays import Array, stretches
 from llsrbm.certificate.finding import Check
 from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.mechanics import cross
+from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
 from llsrbm.robots.feet import foot_contacts
 from llsrbm.robots.placements import velocities
@@ -66,12 +67,13 @@ class ContactForce(Check):
 
 
 class Slip(Check):
-    """Standing feet stay where they stand, by the forward kinematics of the motion itself.
+    """Standing feet stay where they stand, by the forward kinematics of the motion itself, and a
+    whole body's plan has its forces there.
 
     worst: the largest distance in m of a contact point from where it was when the foot came to
-    stand. A ball may roll: of two ways, that of the leg's foot frame, about which a draft's foot
-    turns, with the ball's in height, and that of the point by which the ball touches, the shorter
-    one counts.
+    stand, or from where the plan has its force. A ball may roll: of two ways, that of the leg's
+    foot frame, about which a draft's foot turns, with the ball's in height, and that of the point
+    by which the ball touches, the shorter one counts.
     `limit`: 1 cm; between its knots a draft's feet wander by about half.
     """
 
@@ -85,7 +87,7 @@ class Slip(Check):
 
     def take(self, motion: SampledMotion) -> None:
         """The foot that moves furthest."""
-        moved = np.zeros(motion.contact.shape)
+        moved = _beside_forces(motion)
         places, velocities = _feet(motion)
         stand, self._stand = self._stand, {}
         for leg in range(len(motion.robot.legs)):
@@ -99,10 +101,29 @@ class Slip(Check):
                 touching = np.cumsum(np.concatenate([rolled[None], steps]), axis=0)
                 both = places[span, leg] - came, touching
                 ways = [np.linalg.norm(way, axis=-1).max(axis=-1) for way in both]
-                moved[span, leg] = np.minimum(*ways)
+                moved[span, leg] = np.maximum(moved[span, leg], np.minimum(*ways))
                 if end == len(motion.contact):
                     self._stand[leg] = came, touching[-1]
         self.largest(motion, moved, SLIP, motion.robot.leg_names, allowed=SLIP)
+
+
+def _beside_forces(motion: SampledMotion) -> Array:
+    """(K, L) m: how far from where feet stand a whole body's plan has its forces; else 0."""
+    found = np.zeros(motion.contact.shape)
+    if motion.points is None or not (isinstance(motion.source, Plan) and motion.source.refined):
+        return found
+    turn, origin = motion.placed
+    robot = motion.robot
+    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
+        frame = motion.model.frames[leg.foot_frame_id]
+        joint, placed = frame.parentJoint, frame.placement
+        own = contact.centres if robot.file.foot.is_point else robot.corners
+        points = placed.translation + own @ placed.rotation.T
+        touching = origin[:, joint, None] + points @ np.swapaxes(turn[:, joint], -1, -2)
+        if robot.file.foot.is_point:
+            touching = touching - contact.radius * motion.normals[:, i, None]
+        found[:, i] = np.linalg.norm(motion.points[:, i] - touching, axis=-1).max(axis=-1)
+    return np.where(motion.contact, found, 0.0)
 
 
 def _feet(motion: SampledMotion) -> tuple[Array, Array]:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from llsrbm.body.momentum import base_velocities
 from llsrbm.errors import FileFormatError, InputError
 from llsrbm.library.card import Card
-from llsrbm.mechanics import apply, quaternions_about_z, rotation_matrices
+from llsrbm.mechanics import apply, rotation_matrices
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.planning.problem.placement import make_task
@@ -154,8 +154,7 @@ def reopened(card: Card, numbers: Stored, robot: Robot, where: str) -> Plan:
     force = np.zeros((count, len(NODES), contacts, 3))
     on = _standing(grid, sizes.legs, contacts)
     force[on] = taken.take(int(on.sum()), 3)
-    place, heading = footholds(task, grid)
-    quat = quaternions_about_z(heading)
+    place, quat = footholds(task, grid)
     if not robot.file.foot.is_point:
         quat = taken.take(2 * count + 1, sizes.legs, 4)
     taken.end()

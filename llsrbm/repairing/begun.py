@@ -62,8 +62,7 @@ def begun(request: Request, robot: Robot, grid: Grid, solver: str) -> Plan:
     state = {name: values[::2] for name, values in states.items()}
     state["durations"] = np.tile(durations, (grid.intervals + 1, 1))
     motion = Motion(time[::2], state, rates, _forces(rates["acceleration"], grid, robot))
-    place, heading = footholds(task, grid)
-    feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
+    feet = Feet(*footholds(task, grid), tilts(task, grid))
     return plan_of(motion, feet, unplanned(task, robot, solver), robot, grid)
 
 

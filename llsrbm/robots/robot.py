@@ -269,9 +269,13 @@ class Robot:
 
         The robot's own posture is within them.
         """
+        return self.stops_kept_by(STOP_MARGIN)
+
+    def stops_kept_by(self, margin: float) -> Array:
+        """(2, J) rad or m: the same by another margin, a share of what lies between the stops."""
         (lower, upper), stands = self.joint_stops, self.posture[7:]
-        margin = STOP_MARGIN * (upper - lower)
-        return np.array([np.minimum(lower + margin, stands), np.maximum(upper - margin, stands)])
+        room = margin * (upper - lower)
+        return np.array([np.minimum(lower + room, stands), np.maximum(upper - room, stands)])
 
     @cached_property
     def sliding_joints(self) -> frozenset[str]:

@@ -39,7 +39,7 @@ def standing_state(robot: Robot, plan: Plan) -> Array:
     """The posture q (nq,), Pinocchio's, in which the robot stands at the plan's first knot.
 
     Base attitude and CoM are the plan's. The feet's spheres rest on the plan's contact points; a
-    plan's balls are above them by the same in all postures, so where a foot's frame is not the
+    draft's balls are above them by the same in all postures, so where a foot's frame is not the
     middle of its ball the legs are bent a little more or less. Raises `InputError`: the robot
     cannot stand so.
     """

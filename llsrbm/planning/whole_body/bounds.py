@@ -18,7 +18,7 @@ from llsrbm.planning.whole_body.grid import Grid, Knot
 from llsrbm.planning.whole_body.legs import LANDING_UNIT
 from llsrbm.planning.whole_body.sizes import EQUALITIES, Sizes
 from llsrbm.planning.whole_body.start import Start
-from llsrbm.robots.robot import Robot
+from llsrbm.robots.robot import STOP_MARGIN, Robot
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ class RowBounds:
             case "offset":
                 return self.start.offset_bounds
             case "stop":
-                lower, upper = self.robot.kept_stops
+                lower, upper = self.robot.stops_kept_by(self._stop_margin)
                 return lower, upper
             case "edge":
                 return self._edge(knot, half)
@@ -94,6 +94,13 @@ class RowBounds:
         # On a slope it is a share of what is left beside standing still.
         left = np.clip(1 - steep / limits.friction, 0.0, 1.0).repeat(size // len(steep))
         return carried * limits.friction * INSCRIBED * left, above
+
+    @property
+    def _stop_margin(self) -> float:
+        """Another one than the robot's file states, which is that of drafts, is a request's."""
+        margin = self.start.task.limits.stop_margin
+        own = margin == self.robot.file.limits.stop_margin
+        return STOP_MARGIN if own else max(STOP_MARGIN, margin)
 
     def _swinging(self, knot: Knot, half: int) -> list[int]:
         stands = knot.standing if half % 2 else knot.resting

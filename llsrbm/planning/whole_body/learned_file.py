@@ -46,7 +46,7 @@ LIMITS = frozenset(
     (
         *("friction", "torque_share", "speed_share", "drive_strength", "battery"),
         *(f"{phase}_{end}" for phase in ("takeoff", "flight", "landing") for end in ("min", "max")),
-        *("apex_min", "apex_max", "clearance", "knee_margin", "feet_apart"),
+        *("apex_min", "apex_max", "clearance", "knee_margin", "feet_apart", "stop_margin"),
     )
 )
 

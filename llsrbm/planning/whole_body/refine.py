@@ -11,7 +11,6 @@ from functools import partial
 from typing import NamedTuple
 
 from llsrbm.arrays import Array
-from llsrbm.mechanics import quaternions_about_z
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.robot import robot_of
 from llsrbm.motion.solve_report import UNTRIED, Refinement
@@ -30,6 +29,7 @@ from llsrbm.planning.whole_body.joined import joined
 from llsrbm.planning.whole_body.learned_file import table_for
 from llsrbm.planning.whole_body.motion import Motion
 from llsrbm.planning.whole_body.problem import make_horizon
+from llsrbm.planning.whole_body.requested_limits import limit_violations
 from llsrbm.planning.whole_body.result import Feet, plan_of
 from llsrbm.planning.whole_body.rounds import Rounds
 from llsrbm.planning.whole_body.sizes import Sizes
@@ -230,7 +230,8 @@ class Refiner:
             self.rows = RowBounds(self.robot, self.grid, rounds.sizes, rounds.start)
             feet = Feet(rounds.start.place, rounds.start.foot_quat, rounds.start.tilt)
             whole = plan_of(rounds.motion, feet, plan, self.robot, self.grid)
-            result = replace(whole, violations=rounds.found, certificate=None)
+            beyond = limit_violations(whole, rounds.start.task, self.robot)
+            result = replace(whole, violations=rounds.found | beyond, certificate=None)
         report = Refinement(
             status=SOLVED if rounds.solved else FAILED,
             iterations=sum(each.iterations for each in rounds.solutions),
@@ -247,8 +248,7 @@ class Refiner:
         robot, grid = self.robot, self.grid
         motion = Motion.of(nearby.variables, grid, Sizes.of(robot, len(grid.phases)))
         task = task_of(plan, robot)
-        place, heading = footholds(task, grid)
-        feet = Feet(place, quaternions_about_z(heading), tilts(task, grid))
+        feet = Feet(*footholds(task, grid), tilts(task, grid))
         return start_of(plan_of(motion, feet, plan, robot, grid), robot, grid).ended(robot)
 
 

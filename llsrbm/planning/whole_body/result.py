@@ -99,7 +99,7 @@ def _where_feet_stand(
     """(K, L, 3) m, twice: where feet are that stand, and what of the ground they touch.
 
     Soles drift by less than the rows' tolerance from where they are planned to stand. Balls roll,
-    and their frames rise and sink as shanks lean.
+    and frames that are not in their middles rise, sink and lean away from what they touch.
     """
     if not robot.file.foot.is_point:
         return feet.place, feet.place
@@ -107,7 +107,7 @@ def _where_feet_stand(
     normal, radius = normals(tilt), foot_contacts(robot)[0].radius
     above = (normal * (balls - feet.place)).sum(axis=-1) - radius
     stands = foot_position - above[..., None] / normal[..., 2:] * [0.0, 0.0, 1.0]
-    touches[..., :2] = foot_position[..., :2] - robot.foot_lift * normal[..., :2]
+    touches[..., :2] = (balls - radius * normal)[..., :2]
     touches[..., 2] += (tilt * (touches - feet.place)[..., :2]).sum(axis=-1)
     return stands, touches
 

@@ -321,16 +321,21 @@ def _states(plan: Plan, robot: Robot, time: Array) -> dict[str, Array]:
 
 
 def footholds(task: Task, grid: Grid) -> tuple[Array, Array]:
-    """(2 N + 1, L, 3) m, where feet stand, and (2 N + 1, L) rad, their headings; NaN in the air."""
+    """(2 N + 1, L, 3) m, where feet stand, and (2 N + 1, L, 4) w, x, y, z, how: soles lean as the
+    ground does. NaN in the air.
+    """
     halves, legs = 2 * grid.intervals + 1, len(task.places[0].feet)
-    place, heading = np.full((halves, legs, 3), np.nan), np.full((halves, legs), np.nan)
+    place, quat = np.full((halves, legs, 3), np.nan), np.full((halves, legs, 4), np.nan)
     for half in range(halves):
         knot, phase = grid.knots[half // 2], grid.phase_at(half)
         # A foot that leaves there stood in the phase before.
         there = task.footholds_before(phase)
         resting = list(knot.standing if half % 2 else knot.resting)
-        place[half, resting], heading[half, resting] = there.feet[resting], there.yaw[resting]
-    return place, heading
+        place[half, resting] = there.feet[resting]
+        level = quaternions_about_z(there.yaw[resting])
+        lean = leaning(there.tilt[resting])
+        quat[half, resting] = level if task.foot.is_point else quaternion_product(lean, level)
+    return place, quat
 
 
 def tilts(task: Task, grid: Grid) -> Array:

@@ -1,6 +1,7 @@
 """Certificates of plans, foreign motions and the command that prints them."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,6 +51,14 @@ def slippery(folder):
     text = (assets_directory() / "jump_types" / "together.toml").read_text()
     path.write_text(f"{text}\n[limits]\nfriction = 0.2\nreach_max = 0.33\n")
     return path
+
+
+@pytest.mark.parametrize("robot", ["anymal", "slider"])
+def test_forces_of_a_whole_body_act_where_its_feet_touch(robot):
+    plan = llsrbm.load(assets_directory() / "plans" / f"{robot}.npz")
+    assert llsrbm.certify(plan)["slip"].worst < 1e-3
+    beside = replace(plan, contact_point=plan.contact_point + np.array([0.011, 0.0, 0.0]))
+    assert not llsrbm.certify(beside)["slip"].holds
 
 
 def test_equal_certificates_are_one_in_a_set(plan):

@@ -20,8 +20,10 @@ JUMPS = {
     "onto": {"robot": "go2", "forward": 0.25, "slope": SLOPE, "cross_slope": -0.1},
     "from": {"robot": "go2", "forward": 0.2, "takeoff_slope": -SLOPE},
     "soles": {"robot": "slider", "forward": 0.25, "slope": -SLOPE, "cross_slope": 0.1},
+    # The frames of its feet are not in the middles of their balls.
+    "frames": {"robot": "anymal", "forward": 0.2, "slope": 0.1},
 }
-NIGHTLY = [pytest.param(name, marks=pytest.mark.nightly) for name in ("from", "soles")]
+NIGHTLY = [pytest.param(name, marks=pytest.mark.nightly) for name in ("from", "soles", "frames")]
 ON_IT = 1e-3  # m
 
 
@@ -65,6 +67,17 @@ def test_balls_touch_the_surface_and_stay_above_it(name):
         if 0 < found.phase[knot] < len(found.schedule) - 1:
             continue
         assert np.abs(off).max() < ON_IT, knot
+
+
+@pytest.mark.parametrize("name", ["onto", *NIGHTLY])
+def test_forces_act_where_standing_feet_touch(name):
+    found = plan(name)
+    robot = load_robot(found.jump.robot)
+    normals, radius = foot_normals(found, found.time), foot_contacts(robot)[0].radius
+    for knot in (0, len(found.time) // 4, -2, -1):
+        touching = balls(found, robot, knot) - radius * normals[knot][:, None]
+        stated = found.contact_point[knot].reshape(touching.shape)
+        np.testing.assert_allclose(stated, touching, atol=ON_IT)
 
 
 @pytest.mark.parametrize("name", ["onto", *NIGHTLY])
