@@ -103,7 +103,7 @@ def test_speed(falling, share, names):
 
 @pytest.mark.parametrize(("leap", "names"), [(1.009, set()), (1.011, {"joint_speed"})])
 def test_speed_of_a_leap_from_one_frame_to_the_next(standing, leap, names):
-    """Velocities of the frames around, by differences, have half of it; those of a file may be 0."""
+    """Velocities by differences of the frames around have half of it; those of a file may be 0."""
     qpos, step = standing.source.qpos.copy(), TIME[1]
     qpos[12:, 7 + CALF] += leap * 15.7 * step
     for qvel in (velocities(TIME, qpos), standing.source.qvel):
