@@ -13,8 +13,8 @@
       if (!Number.isFinite(time)) throw new Error(`seek: expected seconds, got ${time}`);
       player.seek(time);
     },
-    // Another replay in place of this one: its address, or its bytes. What is at an address is not
-    // known before, as a replay asks nothing of a network.
+    // Another replay in place of this one: its address, or its bytes. An address is not tried
+    // before, as a replay asks nothing of a network.
     load(source) {
       if (typeof source !== "string") return void loadBytes(new Blob([source], { type: "text/html" }));
       const url = new URL(source, document.baseURI).href;
