@@ -3,6 +3,7 @@
 (() => {
   const { player } = window.llsrbm;
   const SCHEMES = /^(https?|file|blob):/;
+  const GENERATOR = '<meta name="generator" content="llsrbm', HEAD = 4096; // bytes that have it
   let told = null; // what was told last
 
   const acts = {
@@ -12,15 +13,22 @@
       if (!Number.isFinite(time)) throw new Error(`seek: expected seconds, got ${time}`);
       player.seek(time);
     },
-    // Another replay in place of this one: its address, or its bytes.
+    // Another replay in place of this one: its address, or its bytes. An address is not tried
+    // before, as a replay asks nothing of a network.
     load(source) {
-      const url = typeof source === "string" ? new URL(source, document.baseURI).href
-        : URL.createObjectURL(new Blob([source], { type: "text/html" }));
+      if (typeof source !== "string") return void loadBytes(new Blob([source], { type: "text/html" }));
+      const url = new URL(source, document.baseURI).href;
       if (!SCHEMES.test(url))
         throw new Error(`load: expected an address of http, https, file or blob, got ${url.slice(0, 40)}`);
       location.replace(url);
     },
   };
+
+  async function loadBytes(file) {
+    const head = await file.slice(0, HEAD).text();
+    if (head.includes(GENERATOR)) location.replace(URL.createObjectURL(file));
+    else tell("refused", { why: "load: expected an address, or the bytes of a replay" });
+  }
 
   function tell(kind, more) {
     const what = { time: player.time, playing: player.playing, end: player.clip?.end ?? 0, ...more };

@@ -31,14 +31,21 @@ class JointPosition(Check):
 
 
 class JointSpeed(Check):
-    """Joints within the speed of their drives: worst = |v| / v_max."""
+    """Joints within the speed of their drives: worst = |v| / v_max.
+
+    Of another tool's motion v is no less than what leads from each frame to the next: velocities of
+    frames, which are mostly differences over two intervals, have half of a leap in one.
+    """
 
     name, unit = "joint_speed", "rad/s"
 
     def take(self, motion: SampledMotion) -> None:
         """The fastest joint."""
         limit = motion.robot.speed_limit
-        shares = np.abs(motion.joint_velocity) / limit
+        speed = np.abs(motion.joint_velocity)
+        if motion.mean_joint_velocity is not None:
+            speed = np.maximum(speed, np.abs(motion.mean_joint_velocity))
+        shares = speed / limit
         self.largest(motion, shares, limit, motion.robot.joint_names)
 
 

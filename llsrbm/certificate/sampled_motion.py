@@ -57,6 +57,8 @@ class SampledMotion:
         recorded_torque: (K, J) Nm or N; None: torque follows from the forces.
         friction: coefficient that feet have; whole_feet: whether a force is the sum over a foot,
             which acts somewhere in its sole.
+        mean_joint_velocity: (K, J) rad/s or m/s from the frame before to the frame after, which the
+            joint has at some instant in between; None: `v` has all that is known.
     """
 
     source: AnyMotion
@@ -72,6 +74,7 @@ class SampledMotion:
     recorded_torque: Array | None
     friction: float
     whole_feet: bool
+    mean_joint_velocity: Array | None = None
 
     @staticmethod
     def of(motion: Plan | Rollout, robot: Robot | None = None) -> SampledMotion:
@@ -255,6 +258,7 @@ def _of_states(motion: WholeBodyMotion) -> Iterator[SampledMotion]:
     turning = Slerp(knots, Rotation.from_quat(motion.base_quat, scalar_first=True))
     rates = pinocchio_states(motion.qpos, motion.qvel)[1]
     accelerations = np.diff(rates, axis=0) / np.diff(knots)[:, None]
+    means = np.diff(motion.joint_position, axis=0) / np.diff(knots)[:, None]
     for part in _parts(len(instants)):
         times = instants[part]
         frame = np.searchsorted(knots, times, side="right") - 1
@@ -283,4 +287,5 @@ def _of_states(motion: WholeBodyMotion) -> Iterator[SampledMotion]:
             recorded_torque=None if torque is None else torque[frame],
             friction=robot.file.limits.friction,
             whole_feet=not robot.file.foot.is_point,
+            mean_joint_velocity=means[frame],
         )

@@ -24,7 +24,8 @@ from scipy.optimize import minimize_scalar, nnls
 from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import InputError
 from llsrbm.identification.log import Log
-from llsrbm.identification.signals import CUT, FIRST, LONGEST, Signals, smoothed
+from llsrbm.identification.signals import CUT, LONGEST, Signals, smoothed
+from llsrbm.identification.units import check_units
 from llsrbm.robots import Robot
 
 NAMES = ("armature", "friction", "damping")
@@ -90,6 +91,7 @@ def identify(robot: Robot, log: Log) -> Identified:
             f"{log.name}: nothing in it is of joints in the air; expected a log of `llsrbm deploy "
             "--excite`, or a flight"
         )
+    check_units(robot, log)
     signals = Signals(robot, log)
     zeros, zero_errors = _zeros(signals, *_columns(signals)[:2])
     signals = Signals(robot, replace(log, q=log.q - zeros))
@@ -276,7 +278,7 @@ def _column(signals: Signals, joint: int) -> _Column | str:
 def _filtered(signals: Signals, joint: int, second: float) -> _Column:
     period = signals.period
     deviation = second / period
-    edge = int(np.ceil(CUT * (second + FIRST) / period + _DELAYS[1] / period))
+    edge = int(np.ceil(CUT * (second + signals.first) / period + _DELAYS[1] / period))
     every = slice(edge, max(edge, len(signals.q) - edge), max(1, int(deviation / 2)))
 
     def through(values: Array) -> Array:
@@ -285,7 +287,7 @@ def _filtered(signals: Signals, joint: int, second: float) -> _Column:
     kept = through(signals.out)[every] < _LEAKS
     time = signals.time[every][kept]
     columns = [through(each)[every][kept] for each in (signals.ddq, signals.direction, signals.dq)]
-    both = float(np.hypot(second, FIRST))
+    both = float(np.hypot(second, signals.first))
     return _Column(
         joint,
         np.column_stack([*columns, np.ones(len(time))]),

@@ -12,7 +12,7 @@ from llsrbm.mechanics import GRAVITY
 from llsrbm.robots import Robot
 from llsrbm.robots.drives.torques import STILL
 
-FIRST = 0.003  # s, standard deviation of the first filter
+FIRST = 0.003  # s, standard deviation of the first filter; a row at least, or it is no derivative
 LONGEST = 0.02  # s, likewise, of the second at most
 CUT = 8.0  # standard deviations at which filters end: at 5 a second derivative sees positions
 _SLOW = STILL  # share of the speed limit below which friction is not known
@@ -29,6 +29,7 @@ class Signals:
 
     def __init__(self, robot: Robot, log: Log) -> None:
         self.robot, self.log, self.period = robot, log, log.period
+        self.first = max(FIRST, log.period)
         self.time: Array = log.period * np.arange(len(log.q), dtype=np.float64)
         self.q, self.dq, self.ddq = self._first(log.q), self._first(log.dq), self._first(log.dq, 1)
         self.speed_lag = self._speed_lag()
@@ -80,7 +81,7 @@ class Signals:
         return bool(noise[0] * shares[0] < noise[1] * shares[1])
 
     def _first(self, values: Array, derivative: int = 0) -> Array:
-        return smoothed(values, FIRST / self.period, derivative) / self.period**derivative
+        return smoothed(values, self.first / self.period, derivative) / self.period**derivative
 
     def slopes(self) -> Array:
         """(K, J, J) Nm/rad by which what the links take changes with the joints' positions."""

@@ -115,6 +115,14 @@ def test_a_script_of_the_same_origin_calls_it(served):
     assert not served.evaluate("inner.llsrbm.replay.playing")
 
 
+@pytest.mark.parametrize("source", ["new ArrayBuffer(9)", "undefined", "new Blob(['<p>Hello'])"])
+def test_bytes_of_something_else_are_refused_and_it_stays(served, source):
+    served.evaluate(f"heard.length = 0, say('load', {source})")
+    served.wait_for_function("latest('refused')?.why.endsWith('or the bytes of a replay')")
+    served.evaluate("say('play')")
+    served.wait_for_function("latest('frame')?.playing")
+
+
 def test_another_motion_is_loaded_by_its_bytes(served):
     served.evaluate("""async () => {
       const bytes = await (await fetch("other.html")).arrayBuffer();

@@ -101,6 +101,18 @@ def test_speed(falling, share, names):
     assert broken(motion) == names
 
 
+@pytest.mark.parametrize(("leap", "names"), [(1.009, set()), (1.011, {"joint_speed"})])
+def test_speed_of_a_leap_from_one_frame_to_the_next(standing, leap, names):
+    """Velocities by differences of the frames around have half of it; those of a file may be 0."""
+    qpos, step = standing.source.qpos.copy(), TIME[1]
+    qpos[12:, 7 + CALF] += leap * 15.7 * step
+    for qvel in (velocities(TIME, qpos), standing.source.qvel):
+        found = certify(motion_of_states(ROBOT, "hand", TIME, qpos, qvel))
+        assert {each.name for each in found if each.holds is False} & {"joint_speed"} == names
+        assert found["joint_speed"].worst == pytest.approx(leap)
+        assert TIME[11] < found["joint_speed"].time_s < TIME[12]
+
+
 def test_how_long_a_joint_is_too_fast(falling):
     falling.v[3:6, 6 + CALF] = 2 * 15.7
     motion = replace(balanced(falling), recorded_torque=np.zeros((COUNT, 12)))

@@ -29,21 +29,21 @@ def joint_torque(model, q, v, a, gyro=None, acceleration=None):
     return links + ARMATURE * a + FRICTION * np.sign(v) + DAMPING * v
 
 
-def synthetic_log(seconds=12.0, delay=DELAY, moving=slice(None)):
+def synthetic_log(seconds=12.0, delay=DELAY, moving=slice(None), period=PERIOD):
     """A log of the excitation; joints that are not `moving` rest."""
     model = GO2.model.copy()
     model.armature[:] = 0.0
-    times = PERIOD * np.arange(round(seconds / PERIOD))
+    times = period * np.arange(round(seconds / period))
     motion = sines(GO2, seconds)
     share = np.zeros(JOINTS)
     share[moving] = 1.0
     motion = motion.scaled(share)
     q, v, _ = motion.at(times)
     # Of what is held for a period the middle is half a period later.
-    acting = motion.at(times + delay + PERIOD / 2)
+    acting = motion.at(times + delay + period / 2)
     tau = np.array([joint_torque(model, *state) for state in zip(*acting, strict=True)])
     usable = np.ones(len(times), dtype=bool)
-    return Log("synthetic.csv", PERIOD, q, v, tau, np.zeros_like(tau), usable)
+    return Log("synthetic.csv", period, q, v, tau, np.zeros_like(tau), usable)
 
 
 def as_csv(log, path, columns=None, rows=slice(None)):

@@ -41,6 +41,16 @@ def test_an_exact_log_gives_its_numbers(found):
     assert abs(found.speed_lag) < 1e-5
 
 
+@pytest.mark.parametrize("period", [0.004, 0.01])
+def test_slow_logs_give_them_too(period):
+    """Rows may be 10 ms apart; a filter shorter than a row would make no accelerations of them."""
+    found = identify(GO2, synthetic_log(24.0, period=period))
+    assert not found.undetermined
+    truth = np.column_stack([ARMATURE, FRICTION, DAMPING])
+    assert numbers(found) == pytest.approx(truth, rel=0.1)
+    assert found.delay == pytest.approx(DELAY, abs=1e-4)
+
+
 def test_modelled_torques_are_those_measured(found):
     inside = slice(1000, -1000)
     off = (found.measured - found.modelled)[inside]
@@ -91,6 +101,25 @@ def test_joints_that_rest_are_not_told(log):
         InputError, match=r"synthetic.csv: no joint's drive .*FL_hip_joint: it does"
     ):
         identify(GO2, synthetic_log(moving=slice(0, 0)))
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"dq": np.degrees}, r"dq:\w+ is 57.3 times the change of q:\w+ with time; expected rad/s"),
+        ({"dq": np.negative}, r"dq:\w+ is -1 times the change of q:\w+ with time"),
+        (
+            {"q": np.degrees, "dq": np.degrees},
+            r"q:\w+ is at -?\d+ in most rows, beyond its stops .*; expected rad, with the zero",
+        ),
+        ({"q": np.negative, "dq": np.negative}, r"q:\w+_calf_joint is at .* beyond its stops"),
+        ({"sent": lambda torque: 1e3 * torque}, r"tau:\w+ is .* gives 23.7 at most; expected Nm"),
+    ],
+)
+def test_other_units_and_signs_are_told(log, changed, message):
+    other = replace(log, **{name: change(getattr(log, name)) for name, change in changed.items()})
+    with pytest.raises(InputError, match=f"synthetic.csv: {message}"):
+        identify(GO2, other)
 
 
 def test_torques_that_no_drive_has_are_told(log, found):
