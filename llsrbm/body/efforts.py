@@ -6,7 +6,7 @@ import pinocchio as pin
 from llsrbm.arrays import Array
 from llsrbm.mechanics import cross
 from llsrbm.robots.drives.torques import friction_torque
-from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.feet import pushed_points
 from llsrbm.robots.placements import placements, pushes
 from llsrbm.robots.robot import Robot
 
@@ -34,17 +34,7 @@ def efforts(
         normals: (K, L, 3) unit, of what each foot stands on; None: it is level.
     """
     placed = placements(robot.model, q)
-    turn, origin = placed
-    points = np.empty((len(q), len(robot.legs), len(robot.corners), 3))
-    contacts, point = foot_contacts(robot), robot.file.foot.is_point
-    for i, leg in enumerate(robot.legs):
-        frame = robot.model.frames[leg.foot_frame_id]
-        R, at = turn[:, frame.parentJoint], origin[:, frame.parentJoint]
-        touch = contacts[i].centres if point else robot.corners
-        corners = frame.placement.translation + touch @ frame.placement.rotation.T
-        points[:, i] = at[:, None] + corners @ np.swapaxes(R, -1, -2)
-    up = np.array([0.0, 0.0, 1.0]) if normals is None else normals[:, :, None]
-    points -= (contacts[0].radius if point else robot.foot_lift) * up
+    points = pushed_points(robot, placed, normals)
     found = inverse_dynamics(robot.model, q, v, a)
     found[:, 6:] += friction_torque(robot, v[:, 6:])
     return found - of_contacts(robot, placed, points, force.reshape(points.shape))

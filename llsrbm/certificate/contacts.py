@@ -8,7 +8,7 @@ from llsrbm.certificate.sampled_motion import NO_FORCES, SampledMotion
 from llsrbm.mechanics import cross
 from llsrbm.motion.plan import Plan
 from llsrbm.motion.rollout import Rollout
-from llsrbm.robots.feet import foot_contacts
+from llsrbm.robots.feet import foot_contacts, pushed_points
 from llsrbm.robots.placements import velocities
 
 SLIGHT = 5e-3  # of the weight: a smaller force slips as well, and moves nothing
@@ -109,21 +109,11 @@ class Slip(Check):
 
 def _beside_forces(motion: SampledMotion) -> Array:
     """(K, L) m: how far from where feet stand a whole body's plan has its forces; else 0."""
-    found = np.zeros(motion.contact.shape)
     if motion.points is None or not (isinstance(motion.source, Plan) and motion.source.refined):
-        return found
-    turn, origin = motion.placed
-    robot = motion.robot
-    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
-        frame = motion.model.frames[leg.foot_frame_id]
-        joint, placed = frame.parentJoint, frame.placement
-        own = contact.centres if robot.file.foot.is_point else robot.corners
-        points = placed.translation + own @ placed.rotation.T
-        touching = origin[:, joint, None] + points @ np.swapaxes(turn[:, joint], -1, -2)
-        if robot.file.foot.is_point:
-            touching = touching - contact.radius * motion.normals[:, i, None]
-        found[:, i] = np.linalg.norm(motion.points[:, i] - touching, axis=-1).max(axis=-1)
-    return np.where(motion.contact, found, 0.0)
+        return np.zeros(motion.contact.shape)
+    pushed = pushed_points(motion.robot, motion.placed, motion.normals)
+    beside = np.linalg.norm(motion.points - pushed, axis=-1).max(axis=-1)
+    return np.where(motion.contact, beside, 0.0)
 
 
 def _feet(motion: SampledMotion) -> tuple[Array, Array]:

@@ -21,11 +21,14 @@ class FootContact:
     """A foot's spheres, all alike, of a radius (m) at c contact points.
 
     `centres`: (c, 3) m, in the frame that the robot file names as the leg's foot, in the order of
-    the file's corners.
+    the file's corners. `above`: (c, 3) m in that frame, what is by `lift` m above the points where
+    the ground pushes: a ball's middle, or a sole's corners themselves.
     """
 
     centres: Array
     radius: float
+    above: Array
+    lift: float
 
     @property
     def middle(self) -> Array:
@@ -66,7 +69,7 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[PlacedSolid]) -> FootCont
             min(spheres, key=lambda sphere: float(np.linalg.norm(sphere[0] - corner)))
             for corner in robot.corners
         ]
-        return FootContact(np.array([centre for centre, _ in nearest]), nearest[0][1])
+        return _contact(robot, np.array([centre for centre, _ in nearest]), nearest[0][1])
     if radius is None:
         raise RobotFileError(
             f'{robot.path}: legs.{leg.name}.foot: the link that carries "{leg.foot_frame}" has no '
@@ -74,7 +77,33 @@ def _foot_contact(robot: Robot, leg: Leg, shapes: list[PlacedSolid]) -> FootCont
         )
     # A point foot's frame is the middle of its ball; a sole's is on the ground.
     height = 0.0 if robot.file.foot.is_point else radius
-    return FootContact(robot.corners + np.array([0.0, 0.0, height]), radius)
+    return _contact(robot, robot.corners + np.array([0.0, 0.0, height]), radius)
+
+
+def _contact(robot: Robot, centres: Array, radius: float) -> FootContact:
+    if robot.file.foot.is_point:
+        return FootContact(centres, radius, above=centres, lift=radius)
+    return FootContact(centres, radius, above=robot.corners, lift=0.0)
+
+
+def pushed_points(robot: Robot, placed: tuple[Array, Array], normals: Array | None = None) -> Array:
+    """(K, L, c, 3) m, world: where the ground pushes at the feet that touch it.
+
+    Args:
+        robot: that moves.
+        placed: of `placements`, K postures.
+        normals: (K, L, 3) unit, of what each foot stands on; None: it is level.
+    """
+    turn, origin = placed
+    up = np.array([0.0, 0.0, 1.0]) if normals is None else normals[:, :, None]
+    points = np.empty((len(origin), len(robot.legs), len(robot.corners), 3))
+    for i, (leg, contact) in enumerate(zip(robot.legs, foot_contacts(robot), strict=True)):
+        frame = robot.model.frames[leg.foot_frame_id]
+        joint, in_foot = frame.parentJoint, frame.placement
+        above = in_foot.translation + contact.above @ in_foot.rotation.T
+        points[:, i] = origin[:, joint, None] + above @ np.swapaxes(turn[:, joint], -1, -2)
+    pushed: Array = points - foot_contacts(robot)[0].lift * up
+    return pushed
 
 
 def foot_lift(robot: Robot) -> float:

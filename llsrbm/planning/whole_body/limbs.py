@@ -117,12 +117,8 @@ class _Reader:
             R = self._at_zero(chain[-1])
             axes = R @ frame.placement.rotation
             place = R @ frame.placement.translation
-            # What touches is below the middle of a ball, wherever its foot's frame is.
-            point = robot.file.foot.is_point
-            touch = contact.centres if point else robot.corners
-            lift = contact.radius if point else robot.foot_lift
-            points = [*(place + touch @ axes.T), *(contact.centres @ axes.T)]
-            foot = [place, axes.ravel(order="F"), *points, [contact.radius, lift]]
+            points = [*(place + contact.above @ axes.T), *(contact.centres @ axes.T)]
+            foot = [place, axes.ravel(order="F"), *points, [contact.radius, contact.lift]]
             found.append(self._limb(chain, len(robot.corners), knee, np.concatenate(foot)))
         carried = {joint for limb in found for joint in limb.joints}
         ends = set(range(BASE_JOINT + 1, model.njoints)) - set(model.parents)
