@@ -281,6 +281,7 @@ def main():
                 moved = drag(page, options.drag, at_random(options.reach), name, label)
                 report(f"dragging {label}", *moved)
                 type_into(page, label, 0)
+            rests(page)
             type_into(page, "Twist [deg]", 90)
             page.get_by_role("button", name="Simulate").click()
             status(page, "Landed", timeout=60_000)
@@ -288,7 +289,6 @@ def main():
             page.wait_for_timeout(3000)
             rate, _ = frame_rate(page, 8.0)
             print(f"playing with a simulation        {rate:6.1f} frames/s")
-            rests(page)
             verdicts(page)
         print(f"memory, server and processes     {sum(resident(server.pid)):6.0f} MB")
 
