@@ -24,6 +24,7 @@ from distributed.scheduler import KilledWorker
 
 from llsrbm.errors import Error, InputError
 from llsrbm.number_text import duration
+from llsrbm.sweep import interrupts
 from llsrbm.sweep.folder import Folder, difference
 from llsrbm.sweep.jump import failed_rows, run_jump, run_prepare
 from llsrbm.sweep.points import Points
@@ -132,6 +133,7 @@ def connected(workers: int, scheduler: str | None) -> Iterator[distributed.Clien
                 cluster = distributed.LocalCluster(
                     n_workers=workers,
                     threads_per_worker=1,
+                    preload=[interrupts.__name__],
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.CRITICAL,
                 )

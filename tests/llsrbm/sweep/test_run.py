@@ -84,6 +84,17 @@ DEADLY = 13
 """The jump that kills its worker."""
 
 
+WAITING = """
+from time import sleep
+from llsrbm.sweep.run import connected
+if __name__ == "__main__":  # workers import it
+    with connected(1, None) as client:
+        under_way = client.submit(sleep, 60)
+        print("here", flush=True)
+        under_way.result()
+"""
+
+
 def deadly(spec, point, limit):
     """In place of `run_jump`, in a worker's process."""
     if point.number == DEADLY:
@@ -103,6 +114,23 @@ def test_a_jump_that_kills_workers_is_a_row_and_the_others_are_planned(tmp_path,
     assert [row["jump"] for row in found if row["status"] == "failed"] == [DEADLY]
     assert found[DEADLY]["message"] == "1 workers died while they computed it"
     assert sum(row["status"] == "planned" for row in found) == 39
+
+
+@pytest.mark.nightly
+def test_ctrl_c_ends_workers_without_a_traceback():
+    """A terminal sends it to all processes of a command."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", WAITING],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert process.stdout.readline() == "here\n"
+    os.killpg(process.pid, signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert errors.count("Traceback") == 1  # of the command itself, which answers it
+    assert "Dask Worker process" not in errors
 
 
 @pytest.mark.nightly
