@@ -50,6 +50,9 @@ class SupportPolygon(Overlay):
         return _bars(names, points, along, length + _WIDE, there)
 
 
+_DIGITS = 9  # of m: points on one spot are one, whatever rounding makes of them
+
+
 def edges(points: Array, standing: BoolArray) -> IntArray:
     """The hull's edges, (F, C): of each of the points that stand the next corner, or -1.
 
@@ -65,7 +68,7 @@ def edges(points: Array, standing: BoolArray) -> IntArray:
 
 def _hull(points: Array, among: IntArray) -> list[int]:
     """Corners of the convex hull against the clock; the two ends of points on one line."""
-    places = points[among]
+    places = points[among].round(_DIGITS)
     if len(among) > 2:
         try:
             return [int(i) for i in among[ConvexHull(places).vertices]]

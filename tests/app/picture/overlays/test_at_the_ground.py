@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull, Delaunay
@@ -63,6 +63,7 @@ def corners_in_order(after):
 
 
 @given(PLACES, st.sets(st.integers(0, 7)), st.sampled_from([0.0, 1e-13]))
+@example(np.zeros((8, 2)), {0, 1, 2}, 1e-13)
 def test_edges_go_around_the_convex_hull(points, standing, noise):
     points = points + noise * np.random.default_rng(0).normal(size=points.shape)
     there = np.isin(np.arange(8), list(standing))
