@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from llsrbm.library.file import StoredMotion
     from llsrbm.motion.plan import Plan
 
+UNLIKELY = "the robot's table of solved jumps has next to none like it"
 KEPT, NOT_PLANNED, NOT_CERTIFIED = "kept", "not-planned", "not-certified"
 NOT_STRICT, FAILED, THERE = "not-strict", "failed", "there-already"
 
@@ -131,9 +132,13 @@ def _with(motion: StoredMotion, found: Simulated) -> StoredMotion:
 
 def _attempt(request: Request, seeds: int) -> Attempt:
     from llsrbm.api import plan as planned
+    from llsrbm.certified_nearest import is_unlikely
 
     if request.original is not None:
         return Attempt(request, KEPT, _image(request.original, seeds))
+    # To be sure takes as long as three motions; others are drawn.
+    if request.draw is not None and is_unlikely(request.jump, request.tuning):
+        return Attempt(request, NOT_PLANNED, why=UNLIKELY)
     plan = planned(
         request.jump,
         weights=request.tuning.weights,

@@ -1,14 +1,29 @@
 """Builds: until there are motions enough, and on from where one was cut off."""
 
 import json
+import time
 from dataclasses import replace
 
 import pytest
 
+from llsrbm.certified_nearest import is_unlikely
 from llsrbm.errors import InputError
-from llsrbm.library.attempt import FAILED, KEPT, NOT_STRICT, THERE, Attempt, NotStrict, judged
+from llsrbm.library.attempt import (
+    FAILED,
+    KEPT,
+    NOT_PLANNED,
+    NOT_STRICT,
+    THERE,
+    UNLIKELY,
+    Attempt,
+    NotStrict,
+    Request,
+    attempt,
+    judged,
+)
 from llsrbm.library.build import Build, on_workers, read_requests
 from llsrbm.library.card import Simulated
+from llsrbm.library.draws import Draw
 from llsrbm.library.file import StoredMotion
 from llsrbm.library.mirror import image_of
 from tests.llsrbm.library.shipped_motions import card, library, plan
@@ -169,3 +184,13 @@ def test_a_motion_that_is_not_strict_is_not_kept(monkeypatch):
     assert judged(plan(), 3).card.simulated == Simulated(3, 3, 3)
     assert NOT_STRICT != FAILED
     assert replace(Simulated(), seeds=0).all_strict is False
+
+
+def test_what_a_table_has_next_to_none_of_is_not_tried():
+    """To look for a plan of this one of ANYmal's takes as long as three motions do."""
+    request = Request.drawn(Draw("anymal", 12))
+    assert is_unlikely(request.jump, request.tuning)
+    began = time.process_time()
+    found = attempt(request, 0)
+    assert (found.status, found.why) == (NOT_PLANNED, UNLIKELY)
+    assert time.process_time() - began < 3.0
