@@ -2,7 +2,7 @@
 #   make app     sets up .venv, serves the designer, prints its address (with the token that opens it)
 #                and opens it where there is a display; LLSRBM_TOKEN=... make app takes a token
 #   make test    sets up .venv and a browser, then runs the tests
-# Others: make test-all (also the tests that are marked `nightly`: those with the largest solvers, of
+# Others: make test-all (also the tests that are marked `nightly`: those that take longest, of
 # sweeps whose processes are killed, of the documentation's site), make durations (all, and keeps how
 # long each file takes, which orders later runs), make check (style and types), make bench (solve times; AGAINST=commit compares with an
 # older version, BENCH_ARGS=--crocoddyl with Crocoddyl), make range (random requests over all that may

@@ -282,6 +282,7 @@ def test_both_signals_stop_it(number):
     assert signal.getsignal(number) is former
 
 
+@pytest.mark.nightly
 def test_the_computing_processes_end_when_the_server_is_killed(tmp_path):
     with serving(tmp_path) as server:
         lines_until_ready(server)

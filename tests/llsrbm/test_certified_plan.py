@@ -32,6 +32,7 @@ def test_a_plan_that_is_cancelled_while_it_is_checked_is_none(monkeypatch):
     release.set()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("holds", [True, False])
 def test_where_the_certificate_does_not_hold_it_is_planned_on_a_finer_grid(monkeypatch, holds):
     tried = []

@@ -202,6 +202,7 @@ def test_what_cannot_be_asked_for_is_refused(jump, component, message):
         llsrbm.largest(jump, component)
 
 
+@pytest.mark.nightly
 def test_go2_jumps_higher_than_its_file_takes(monkeypatch):
     """A real search, cut short."""
     monkeypatch.setitem(DIRECTIONS, "up", Direction("height", 1, "m", 1, 26))

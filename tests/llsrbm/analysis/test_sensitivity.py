@@ -30,6 +30,7 @@ def optimum():
     return Optimum.of(plan())
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("name", "value"),
     [

@@ -90,6 +90,7 @@ def test_durations_out_of_range_are_refused(seconds):
         sines(GO2, seconds)
 
 
+@pytest.mark.nightly
 def test_a_play_on_a_hung_robot_shows_its_drives(tmp_path):
     """Over the wire's delays, 3 ms on average and a step until motors look for commands."""
     pytest.importorskip("foxglove", reason="needs the extra llsrbm[mcap]")

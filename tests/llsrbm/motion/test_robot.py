@@ -23,6 +23,7 @@ def plan():
     return llsrbm.plan(JUMP, limits=WEAK, guesses=False)
 
 
+@pytest.mark.nightly
 def test_a_plan_keeps_to_drives_that_are_weaker_than_the_file_says():
     assert plan().certified
     assert {name: plan().limits[name] for name in WEAK} == WEAK
@@ -63,6 +64,7 @@ def test_no_solver_is_built_for_other_drives():
     assert plan().robot_parameters == ROBOT.parameters()
 
 
+@pytest.mark.nightly
 def test_what_is_limited_is_said_of_the_drives_as_they_are():
     far = llsrbm.Jump(robot="go2", forward=0.6)
     with pytest.raises(llsrbm.NotConverged) as caught:

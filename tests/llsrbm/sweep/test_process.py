@@ -59,6 +59,7 @@ def test_a_jump_that_kills_its_process_is_a_row(monkeypatch):
     assert row["message"] == "1 processes died while they computed it (exit status -11)"
 
 
+@pytest.mark.nightly
 def test_a_process_that_dies_by_chance_is_replaced(tmp_path):
     with pytest.raises(process.ProcessDied):
         process.compute(dies_once, tmp_path / "died", limit=60.0)

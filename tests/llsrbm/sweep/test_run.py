@@ -66,6 +66,7 @@ def test_another_version_on_a_worker_ends_it(tmp_path, client, monkeypatch):
         assert not folder.done.any()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "error", [ModuleNotFoundError("No module named 'llsrbm'"), FileNotFoundError("mine.toml")]
 )

@@ -155,6 +155,7 @@ def test_ipopt_agrees():
     np.testing.assert_allclose(other.com, plan.com, atol=0.01)
 
 
+@pytest.mark.nightly
 def test_where_the_whole_body_alone_objects_the_rows_of_the_drives_follow_it(monkeypatch):
     jump = Jump(twist=-1.9, forward=0.264, lateral=0.265, height=0.008)
     planner, robot = planner_of(jump), load_robot("anymal")

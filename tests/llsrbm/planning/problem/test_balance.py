@@ -53,6 +53,7 @@ def test_legs_with_momentum_do_not():
     assert min(slopes_in_swings("go2", "rear-last", "llsrbm-plus")) > 1e-4
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(("robot", "kind"), [("go2", "rear-last"), ("slider", "one-foot-first")])
 def test_the_papers_model_plans_types_whose_feet_take_turns(robot, kind):
     jump = Jump(robot, model="llsrbm", type=kind, forward=0.2, twist=np.radians(5))

@@ -193,6 +193,7 @@ def test_soles_are_longer_than_points():
         make_task(replace(jump, forward=0.43), load_robot("slider"))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("height", [0.0, -0.4])
 def test_a_body_that_turns_over_keeps_off_what_it_stands_on(height):
     """On a block its nose is above the block, not just above the floor."""

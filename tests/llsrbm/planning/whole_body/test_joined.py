@@ -57,6 +57,7 @@ def test_momenta_are_of_its_axes():
     )
 
 
+@pytest.mark.nightly
 def test_it_is_planned_from_there_and_followed():
     plan = llsrbm.plan(ROUTE)
     assert plan.certified

@@ -36,6 +36,7 @@ def motion():
     return plans_and_motion()[1]
 
 
+@pytest.mark.nightly
 def test_it_converges_in_times_that_the_request_allows():
     first, second, robot = plans()
     assert second.refined
@@ -229,6 +230,7 @@ def test_lines_are_integrated(share):
     np.testing.assert_allclose(line(share) @ nodes, expected)
 
 
+@pytest.mark.nightly
 def test_links_keep_apart_where_the_nearest_motion_would_have_them_meet():
     """In a twist with some way forward Go2's front feet cross in mid-flight."""
     jump = llsrbm.Jump(robot="go2", twist=-2.0, forward=0.285, lateral=-0.122, height=-0.072)

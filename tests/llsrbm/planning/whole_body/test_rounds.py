@@ -2,6 +2,8 @@
 
 import math
 
+import pytest
+
 import llsrbm
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.planning.problem.placement import make_task
@@ -14,6 +16,7 @@ from tests.llsrbm.formats.jumps import planned
 HARD = ({"twist": 160.0, "forward": 0.3}, {"twist": -154.0, "forward": 0.5, "lateral": 0.2})
 
 
+@pytest.mark.nightly
 def test_a_process_makes_no_solver_for_each_number_of_iterations_that_are_left():
     """Each holds 15 MB and more: one that had planned 100 of G1's jumps held 7.6 GB."""
     solver = refiner_of(planned("go2")).solver

@@ -173,6 +173,7 @@ def _romeo(tmp_path, ankle):
     return path
 
 
+@pytest.mark.nightly
 def test_legs_stand_straighter_where_an_ankle_stops(tmp_path):
     """Knees that bend by twice as much: at 0.74 of its length the ankle needs 0.8 rad."""
     proposal = draft.propose(draft.read_anatomy(_romeo(tmp_path, -0.65)))
