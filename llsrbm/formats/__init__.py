@@ -43,7 +43,6 @@ __all__ += ["availability", "by_purpose", "is_native", "load_any", "load_motion"
 __all__ += ["check_motion_format", "export_many", "remarks_of"]
 
 _GROUP = "llsrbm.formats"  # entry points
-_PICKLES = (".pkl", ".pickle", ".p")
 _KEYS_NAMED = 12  # keys of an archive that a message names
 _ANY_MOTION = (
     "; of any tool's motion an npz can be made, with qpos (K, 7 + joints: position, quaternion "
@@ -187,8 +186,6 @@ def _recognised(path: Path) -> Format:
 
 def _is_none(path: Path) -> str:
     """Why a file is none that can be opened, for a message."""
-    if path.suffix.lower() in _PICKLES:
-        return "a pickle can run anything as it is opened, so none is"
     if held := sorted(keys(path)):
         more = f" and {len(held) - _KEYS_NAMED} more" if len(held) > _KEYS_NAMED else ""
         listed = printable(", ".join(held[:_KEYS_NAMED]), 200)

@@ -1,6 +1,6 @@
 """From the states in another tool's file to a motion: checked, joints in the robot's order."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +21,15 @@ _SLOWEST = 1.0  # frames/s; between frames that are further apart nothing of a j
 _LARGEST = 1e4  # m, rad, and per s: more is damage, and would overflow in the dynamics
 _HELD = 0.01  # rad or m by which a held joint may be elsewhere without a remark
 _SAME_RATE = 2e-3  # share by which rates may differ: 60 frames/s, and 59.94
+_WAIST = frozenset(("waist_roll_joint", "waist_pitch_joint"))
+_WRISTS = {
+    axis: frozenset(f"{side}_wrist_{axis}_joint" for side in ("left", "right"))
+    for axis in ("roll", "pitch", "yaw")
+}
+VARIANTS = (_WAIST, _WAIST | _WRISTS["pitch"] | _WRISTS["yaw"])
+"""Joints that files of G1 leave out, as Unitree's training code does: 27 are left, or 23."""
+WITHOUT_WRISTS = (frozenset[str]().union(*_WRISTS.values()),)
+"""Others of 23 have the whole waist and no wrists."""
 _UNIT_QUATERNION = 1e-2  # by which a norm may miss 1: single precision, and rounding in files
 
 
@@ -48,6 +57,21 @@ def one_rate(stated: float | None, requested: float | None) -> tuple[float | Non
     if stated is None or requested is None or is_same_rate(requested, stated):
         return requested if stated is None else stated, ()
     return stated, (f"it says {stated:g} frames/s: the {requested:g} asked for do not count",)
+
+
+def joint_orders(
+    whole: Sequence[str], robot: Robot, variants: Sequence[Set[str]] = VARIANTS
+) -> dict[int, tuple[str, ...]]:
+    """Joints of files that do not name them, by their number: those that move, in the order of the
+    robot's file, or `whole`, those of the URDF in the format's order, or without a variant's.
+    """
+    held = set(whole) - set(robot.joint_names)
+    fewer = (
+        tuple(joint for joint in whole if joint not in missing)
+        for missing in variants
+        if missing <= held
+    )
+    return {len(joints): joints for joints in (robot.joint_names, tuple(whole), *fewer)}
 
 
 def joint_columns(

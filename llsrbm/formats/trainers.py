@@ -9,6 +9,7 @@ import numpy as np
 
 from llsrbm.arrays import Array
 from llsrbm.formats.base import ORDERS, Format, Options, Purpose, Written, frames_of
+from llsrbm.formats.pickled_clips import PICKLES, read_clip
 from llsrbm.mechanics import rotation_matrices
 from llsrbm.motion.bodies import body_motion, body_order
 
@@ -110,11 +111,18 @@ them, the root first, joints that the robot's file holds among them. 30 frames/s
 otherwise, GMR's own rate.
 
 The arrays are pickled such that NumPy 1 and 2 open them. A JSON file beside it has request, robot,
-solver and the names of the joints. Files like this one are not opened here: a pickle can run
-anything.
+solver and the names of the joints.
+
+Can be opened, and so can files of human2humanoid, PHC and ASAP (`root_trans_offset`, `root_rot`,
+`dof`, by joblib or not, one clip in a dictionary) and of MimicKit: arrays, numbers and text alone
+are read, and nothing that a pickle names is run. Joints are those of the file beside it, else told
+by their number, as of "unitree-csv"; of G1 also 23 without wrists. Velocities are differences of
+the frames around.
 """,
     options=("fps", "pad"),
     defaults=Options(fps=30.0),
+    read=read_clip,
+    recognises=lambda path: path.suffix.lower() in PICKLES,
 )
 
 MIMICKIT_PKL = Format(
@@ -136,10 +144,11 @@ otherwise; MimicKit takes velocities as differences of frames.
 The exponential map goes on past 180 deg, up to 360, instead of jumping to the opposite axis:
 MimicKit makes a quaternion of each frame, which is the same either way, and tools that interpolate
 the numbers themselves see no jump. A character of MimicKit has no joints that slide; their columns
-are in m. A JSON file beside it has request, robot, solver and the names of the columns. Files like
-this one are not opened here: a pickle can run anything.
+are in m. A JSON file beside it has request, robot, solver and the names of the columns. Can be
+opened, like "gmr-pkl".
 """,
     options=("fps", "pad"),
+    read=read_clip,
 )
 
 MOTION_IMITATION_JSON = Format(

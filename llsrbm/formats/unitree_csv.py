@@ -39,6 +39,7 @@ from llsrbm.formats.foreign import (
     checked_motion,
     checked_rate,
     joint_columns,
+    joint_orders,
     one_rate,
 )
 from llsrbm.motion.bodies import urdf_joints
@@ -55,12 +56,6 @@ _WHAT = (
 )
 _EXPECTED = f"expected {_WHAT}"
 _LARGEST = 32 * 1024**2  # bytes
-_WRISTS = frozenset(
-    f"{side}_wrist_{axis}_joint" for side in ("left", "right") for axis in ("pitch", "yaw")
-)
-_WAIST = frozenset(("waist_roll_joint", "waist_pitch_joint"))
-# Joints that tables of G1 leave out: its variants with 27 and with 23.
-_VARIANTS = (_WAIST, _WAIST | _WRISTS)
 _OTHER_SEPARATORS = {None: "spaces", ";": "semicolons", "\t": "tabs"}  # None: any white space
 _MOST_COLUMNS = 200  # a row of more is not parsed
 
@@ -143,15 +138,8 @@ def _check_columns(beside: dict[str, Any], width: int, robot: Robot, path: Path)
 
 
 def _orders(robot: Robot) -> dict[int, tuple[str, ...]]:
-    """Joints of tables, by their number: those that move, or with held ones among them."""
-    whole, moving = urdf_joints(robot).joints, set(robot.joint_names)
-    held = set(whole) - moving
-    variants = (
-        tuple(joint for joint in whole if joint not in missing)
-        for missing in _VARIANTS
-        if missing <= held
-    )
-    return {len(joints): joints for joints in (robot.joint_names, whole, *variants)}
+    """Joints of tables, by their number."""
+    return joint_orders(urdf_joints(robot).joints, robot)
 
 
 def _rows(path: Path, robot: Robot) -> Array:

@@ -185,10 +185,10 @@ def test_a_file_that_is_none_is_bad_input(refused, tmp_path):
     assert "begins with a header" in refused("repair", str(path), "--robot", "go2")
 
 
-def test_a_pickle_is_refused_with_the_reason(refused, tmp_path):
+def test_a_pickle_of_no_motion_is_bad_input(refused, tmp_path):
     path = tmp_path / "motion.pkl"
     path.write_bytes(b"\x80\x04N.")
-    assert "a pickle can run anything" in refused("repair", str(path), "--robot", "go2")
+    assert "expected a dictionary with" in refused("repair", str(path), "--robot", "go2")
 
 
 def test_another_robot_is_bad_input(refused, file):

@@ -7,8 +7,6 @@ import pickletools
 import numpy as np
 import pytest
 
-import llsrbm
-from llsrbm.errors import InputError
 from llsrbm.formats import export
 from llsrbm.formats.trainers import exponential_map
 from tests.llsrbm.formats.jumps import check_frames, depth_first, simulated
@@ -72,10 +70,3 @@ def test_what_stands_beside(name, path):
     assert told["joint_order"] == depth_first(name)
     assert told["columns"][:6] == ["x", "y", "z", "rx", "ry", "rz"]
     assert told["request"]["robot"] == name
-
-
-def test_it_is_never_opened(path):
-    with pytest.raises(InputError, match='"mimickit-pkl" is written and not opened'):
-        llsrbm.load_motion(path, format="mimickit-pkl")
-    with pytest.raises(InputError, match="a pickle can run anything as it is opened"):
-        llsrbm.load_motion(path)
