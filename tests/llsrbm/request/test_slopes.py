@@ -4,7 +4,7 @@ import math
 
 import casadi as ca
 import numpy as np
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from llsrbm.mechanics import rotation_matrices, turns_about_z
@@ -37,6 +37,8 @@ def test_what_is_level_is_turned_onto_it(slope, cross_slope, heading):
 @given(ANGLES, ANGLES)
 def test_the_pyramids_edge_is_along_the_fall_line(slope, cross_slope):
     rises = gradient(slope, cross_slope, 0.0)
+    # At a millionth, from which on a surface is not level, rounding decides.
+    assume(not math.isclose(np.linalg.norm(rises), 1e-6, rel_tol=1e-6))
     axes = surface_axes(normals(rises))
     np.testing.assert_allclose(axes, ca.DM(on_surface(ca.DM(rises))).full(), atol=1e-9)
     np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-9)
