@@ -41,7 +41,7 @@ class _Numbers:
         self.type = self.type.newbyteorder(str(state[1]))  # type: ignore[arg-type]
 
     def array(self, raw: Any, shape: Any, *, by_column: bool) -> NDArray[Any]:
-        """The array of these bytes; raises `ValueError`: there are more or fewer than the shape takes."""
+        """The array of these bytes; raises `ValueError`: the shape takes more of them, or fewer."""
         values = np.frombuffer(raw, self.type).reshape(shape, order="F" if by_column else "C")
         return values.astype(self.type.newbyteorder("="))
 

@@ -77,7 +77,8 @@ def read_clip(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
         raise FileFormatError(f'{path}: key "fps" is missing; expected frames per second with it')
     states = np.hstack([qpos[:, :7], joints[:, columns]])
     found = (*of_rates, *remarks)
-    return checked_motion(robot, "pkl", str(path), rate, states, remarks=found, w_first=False)
+    origin = "mimickit-pkl" if _FRAMES in clip else "gmr-pkl"
+    return checked_motion(robot, origin, str(path), rate, states, remarks=found, w_first=False)
 
 
 def _clip(content: Any, path: Path) -> dict[str, Any]:
