@@ -33,12 +33,13 @@ class _Numbers:
     """An element's type as NumPy pickles it: a code, and the order of its bytes by the state."""
 
     def __init__(self, code: Any, *_: Any) -> None:
-        self.type = np.dtype(str(code)[:10])
+        self.type = np.dtype(str(code)[:10]).newbyteorder("<")
         if self.type.kind not in _KINDS:
             raise _Refused(f"an array of {printable(str(code), 20)}")
 
     def __setstate__(self, state: Any) -> None:
-        self.type = self.type.newbyteorder(str(state[1]))  # type: ignore[arg-type]
+        if state[1] == ">":
+            self.type = self.type.newbyteorder(">")
 
     def array(self, raw: Any, shape: Any, *, by_column: bool) -> NDArray[Any]:
         """The array of these bytes; raises `ValueError`: the shape takes more of them, or fewer."""

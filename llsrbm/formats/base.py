@@ -185,6 +185,19 @@ def driven_robot(trajectory: Trajectory) -> Robot:
     return driven(robot, trajectory.scenario.drives) if isinstance(trajectory, Rollout) else robot
 
 
+def joints_beside(beside: dict[str, Any], path: Path) -> list[str] | None:
+    """Names of a file's joints, as what is beside it has them; None: it does not say.
+
+    Raises `FileFormatError`: they are no names.
+    """
+    names = beside.get("joint_order")
+    if "joint_order" not in beside:
+        return None
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        raise FileFormatError(f"{path}{_BESIDE}: joint_order: expected a list of names")
+    return names
+
+
 def read_beside(path: Path) -> dict[str, Any]:
     """The JSON beside a file; nothing where there is none. Raises `FileFormatError`: there is one,
     and it is unreadable or no JSON object.

@@ -19,7 +19,7 @@ from scipy.spatial.transform import Rotation
 from llsrbm.arrays import Array
 from llsrbm.errors import FileFormatError, printable
 from llsrbm.files.pickles import read_pickle
-from llsrbm.formats.base import ORDERS, read_beside
+from llsrbm.formats.base import ORDERS, joints_beside, read_beside
 from llsrbm.formats.foreign import (
     VARIANTS,
     WITHOUT_WRISTS,
@@ -64,10 +64,11 @@ def read_clip(path: Path, robot: Robot, fps: float | None) -> WholeBodyMotion:
     """
     clip = _clip(read_pickle(path), path)
     qpos, variants = _states(clip, path)
-    beside = read_beside(path)
     joints = qpos[:, 7:]
-    names = beside.get("joint_order") or _names(joints.shape[1], robot, variants, path)
-    columns, remarks = joint_columns([str(name) for name in names], joints, robot, str(path))
+    names = joints_beside(read_beside(path), path)
+    if names is None:
+        names = _names(joints.shape[1], robot, variants, path)
+    columns, remarks = joint_columns(names, joints, robot, str(path))
     stated, requested = (
         None if each is None else checked_rate(each, f"{path}: fps")
         for each in (clip.get("fps"), fps)
@@ -122,7 +123,7 @@ def _numbers(value: Any, key: str, path: Path) -> Array:
         raise FileFormatError(f'{path}: key "{key}": expected a row of numbers a frame') from error
 
 
-def _names(count: int, robot: Robot, variants: Sequence[Set[str]], path: Path) -> tuple[str, ...]:
+def _names(count: int, robot: Robot, variants: Sequence[Set[str]], path: Path) -> list[str]:
     orders = joint_orders(body_order(robot, ORDERS[0]).joints, robot, variants)
     if count not in orders:
         counts = " or ".join(str(each) for each in sorted(orders))
@@ -130,7 +131,7 @@ def _names(count: int, robot: Robot, variants: Sequence[Set[str]], path: Path) -
             f"{path}: has {count} joints; expected {counts} of robot {robot.name}, or "
             f"{path.name}.meta.json beside it with their names as joint_order"
         )
-    return orders[count]
+    return list(orders[count])
 
 
 def _listed(names: dict[str, Any]) -> str:

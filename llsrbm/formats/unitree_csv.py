@@ -32,6 +32,7 @@ from llsrbm.formats.base import (
     Purpose,
     Written,
     frames_of,
+    joints_beside,
     read_beside,
 )
 from llsrbm.formats.foreign import (
@@ -107,9 +108,9 @@ def _joints(
 ) -> tuple[list[int], tuple[str, ...]]:
     named = "joint_order" in beside
     where = f"{path}.meta.json: joint_order" if named else str(path)
-    names = _names(beside, position.shape[1], robot)
-    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
-        raise FileFormatError(f"{where}: expected a list of names")
+    names = joints_beside(beside, path)
+    if names is None:
+        names = _names(beside, position.shape[1], robot)
     return joint_columns(names, position, robot, where)
 
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from llsrbm.library.file import StoredMotion
     from llsrbm.motion.plan import Plan
 
-UNLIKELY = "the robot's table of solved jumps has next to none like it"
+NONE_LIKE_IT = "the robot's table of solved jumps has next to none like it"
 KEPT, NOT_PLANNED, NOT_CERTIFIED = "kept", "not-planned", "not-certified"
 NOT_STRICT, FAILED, THERE = "not-strict", "failed", "there-already"
 
@@ -138,7 +138,7 @@ def _attempt(request: Request, seeds: int) -> Attempt:
         return Attempt(request, KEPT, _image(request.original, seeds))
     # To be sure takes as long as three motions; others are drawn.
     if request.draw is not None and is_unlikely(request.jump, request.tuning):
-        return Attempt(request, NOT_PLANNED, why=UNLIKELY)
+        return Attempt(request, NOT_PLANNED, why=NONE_LIKE_IT)
     plan = planned(
         request.jump,
         weights=request.tuning.weights,

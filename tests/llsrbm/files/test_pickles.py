@@ -1,4 +1,4 @@
-"""Pickles of numbers are read whoever wrote them, and nothing that a pickle names is run."""
+"""Reading pickles: numbers are read, whichever program wrote them, and no code is run."""
 
 import gzip
 import io

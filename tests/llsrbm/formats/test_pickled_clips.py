@@ -107,3 +107,11 @@ def test_what_is_none_is_said_in_one_sentence(tmp_path):
         path.write_bytes(pickle.dumps(content))
         with pytest.raises(FileFormatError, match=words):
             llsrbm.load_motion(path, "go2")
+
+
+def test_joints_that_are_no_names_are_refused(tmp_path):
+    path = tmp_path / "clip.pkl"
+    path.write_bytes(pickle.dumps({"frames": [[0.0] * 18] * 9, "fps": 30}))
+    path.with_name("clip.pkl.meta.json").write_text('{"joint_order": 3}')
+    with pytest.raises(FileFormatError, match="joint_order: expected a list of names"):
+        llsrbm.load_motion(path, "go2")

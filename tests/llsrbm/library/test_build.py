@@ -11,10 +11,10 @@ from llsrbm.errors import InputError
 from llsrbm.library.attempt import (
     FAILED,
     KEPT,
+    NONE_LIKE_IT,
     NOT_PLANNED,
     NOT_STRICT,
     THERE,
-    UNLIKELY,
     Attempt,
     NotStrict,
     Request,
@@ -192,5 +192,5 @@ def test_what_a_table_has_next_to_none_of_is_not_tried():
     assert is_unlikely(request.jump, request.tuning)
     began = time.process_time()
     found = attempt(request, 0)
-    assert (found.status, found.why) == (NOT_PLANNED, UNLIKELY)
+    assert (found.status, found.why) == (NOT_PLANNED, NONE_LIKE_IT)
     assert time.process_time() - began < 3.0
