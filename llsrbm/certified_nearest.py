@@ -16,6 +16,7 @@ from llsrbm.planning.problem.task import Task
 from llsrbm.planning.solve.jump_layout import INTERVALS
 from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.learned_file import knows
+from llsrbm.planning.whole_body.nearest import SURE
 from llsrbm.request.jump import STEPS, Jump, not_feasible
 from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
@@ -77,8 +78,20 @@ def less_alone(near: Nearest, wanted: Jump) -> NotConverged:
 
 def is_unlikely(jump: Jump, tuning: Tuning) -> bool:
     """Whether that table says that a jump is hardly found."""
+    score = _score(jump, tuning)
+    return score is not None and score < UNLIKELY
+
+
+def is_likely(jump: Jump, tuning: Tuning) -> bool:
+    """Whether that table is sure that a jump is found."""
+    score = _score(jump, tuning)
+    return score is not None and score >= SURE
+
+
+def _score(jump: Jump, tuning: Tuning) -> float | None:
+    """Its score; None: the robot has no table, or it knows nothing of such jumps."""
     feasible = feasible_of(load_robot(jump.robot)) if knows(jump, tuning) else None
-    return feasible is not None and feasible.score(jump) < UNLIKELY
+    return None if feasible is None else feasible.score(jump)
 
 
 def _given_up(jump: Jump, wanted: Jump) -> bool:

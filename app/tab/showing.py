@@ -71,7 +71,7 @@ def show_given(state: TabState, given: Given) -> Step:
         return replace(state, given=given), (LoadRobot(plan.jump.robot),)
     play: tuple[Effect, ...] = played_first(state) if state.shown is None else ()
     work = state.work
-    dragging, _ = work.dragging.forget().request(plan.jump, plan.tuning, None)
+    dragging = work.dragging.done(plan.jump, plan.tuning)
     state = replace(state.without_sequel(), given=None, note=given.note or state.note)
     state = replace(state, comparing=None)
     state = state.with_work(awaited=None, dropped=work.newest, dragging=dragging)

@@ -123,6 +123,7 @@ class PlanJump(Task):
     near: Plan | None = None
     patient: bool = True  # try all there is when the quick attempts fail
     alone: bool = False  # only quick attempts at the request itself, and no nearer jump
+    whole_body: bool = False  # at once, where the robot's table of solved jumps is sure of it
     kind = Kind.PLAN
 
     @property
@@ -139,12 +140,13 @@ class PlanJump(Task):
 
 @dataclass(frozen=True)
 class LoadSolver(PlanJump):
-    """Plan a jump to have its solver at hand, for steps of a slider from its plan as well."""
+    """Plan a jump to have its solvers at hand, for steps of a slider and the whole body as well."""
 
     def work(self, planner: Any, talk: Talk) -> Outcome:
         found = super().work(planner, talk)
         if isinstance(found, Planned):
             PlanJump(self.jump, self.tuning, near=found.plan, alone=True).work(planner, talk)
+            RefinePlan(found.plan, self.jump).work(planner, talk)
         return found
 
 

@@ -64,9 +64,13 @@ class LibraryPlanner:
     def plan(
         self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan:
-        """Plan a jump: a route by the whole body, from plans of its jumps; others as drafts."""
-        if task.jump.route:
-            found = self._through(task, progress, cancelled)
+        """Plan a jump: a route by the whole body, from plans of its jumps; others as drafts.
+
+        One that is to be by the whole body at once is so if the robot's table is sure of it, and
+        its solver is at hand.
+        """
+        if task.jump.route or (task.whole_body and self._is_sure(task)):
+            found = self._from_table(task, progress, cancelled)
             if found is not None:
                 return found
         self._announce(task, progress)
@@ -206,10 +210,15 @@ class LibraryPlanner:
             cancelled=cancelled,
         )
 
-    def _through(
+    def _is_sure(self, task: tasks.PlanJump) -> bool:
+        from llsrbm.certified_nearest import is_likely
+
+        return tasks.solver_of(task.jump) in self._refined and is_likely(task.jump, task.tuning)
+
+    def _from_table(
         self, task: tasks.PlanJump, progress: ProgressListener, cancelled: Callable[[], bool]
     ) -> Plan | None:
-        """A route's certified plan; None: it is not found from the robot's table."""
+        """The certified plan; None: it is not found from the robot's table."""
         from llsrbm.certified_plan import CertifiedPlanner
         from llsrbm.planning.problem.placement import make_task
         from llsrbm.robots import load_robot

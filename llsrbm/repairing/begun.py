@@ -29,8 +29,8 @@ from llsrbm.planning.whole_body.sizes import NODES
 from llsrbm.planning.whole_body.start import footholds, tilts
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.repairing.part import NoJump
-from llsrbm.repairing.phases import noise
 from llsrbm.repairing.request import Request
+from llsrbm.repairing.stances import noise
 from llsrbm.robots.robot import Robot
 
 FARTHEST = 0.03  # m that a foot may be from its foothold as the robot stands at an end

@@ -31,12 +31,14 @@ def rollout_of(plan, seed=None):
 
 
 class PureTab:
-    """Attributes: state; effects: of the last event; submits: all so far."""
+    """Attributes: state; effects: of the last event; submits: all so far; due: what will happen
+    later, one event of a kind.
+    """
 
     def __init__(self, robot="anymal"):
         # Plans stay drafts, but for tests that are about the whole body's (test_refining).
         self.state = replace(first_state(ROBOTS), whole_body=False)
-        self.effects, self.submits = (), []
+        self.effects, self.submits, self.due = (), [], {}
         if robot:
             self.state, _ = draw_robot(self.state, RobotLoaded(load_robot(robot)))
 
@@ -46,6 +48,7 @@ class PureTab:
     def have(self, step):
         self.state, self.effects = step
         self.submits += self.of(Submit)
+        self.due |= {type(after.event): after for after in self.of(After)}
         return self.effects
 
     def of(self, kind):
@@ -57,6 +60,12 @@ class PureTab:
         """The only effect of the last event."""
         (effect,) = self.effects
         return effect
+
+    @property
+    def task(self):
+        """What the pool got with the last event."""
+        (submit,) = self.of(Submit)
+        return submit.task
 
     @property
     def told(self):
@@ -87,8 +96,13 @@ class PureTab:
         """Plan until the request has rested and was planned from scratch."""
         while self.state.planning or not self.state.ready:
             self.finish_robot() if not self.state.ready else self.finish_plan()
-            for after in self.of(After):
-                self.take(after.event)
+            self.wait()
+
+    def wait(self):
+        """Until everything has happened that was to happen later."""
+        while self.due:
+            self.take(self.due.pop(next(iter(self.due))).event)
+        return self.effects
 
     def finish_robot(self):
         """The robot that is awaited comes."""

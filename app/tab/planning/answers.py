@@ -8,7 +8,6 @@ from app.panel.status import Verdict
 from app.tab.acts import Step, joined, on, played_first
 from app.tab.effects import After, Queue, Reported
 from app.tab.planning.beginning import take_draft
-from app.tab.planning.dragging import REST
 from app.tab.planning.feasible import learn
 from app.tab.planning.refining import FOLLOWS
 from app.tab.planning.requests import ANSWERS, PLAN_AGAIN, Rested, settle
@@ -33,9 +32,11 @@ def take_plan_report(state: TabState, event: Reported) -> Step:
         line = summaries.progress_line(report.text, report.iteration)
         line = f"{state.work.instead}{line}"
         return state.with_status(Verdict.PLANNING, line, busy=True, lasts=report.lasts), ()
-    dragging = state.work.dragging.answered(task)
+    plan = report.plan if isinstance(report, reports.Planned) else None
+    dragging = state.work.dragging.answered(task, plan)
     state = learn(state, report, task).with_work(dragging=dragging)
-    before = (After(REST, Rested(dragging.rest)),) if dragging.rests else ()
+    at_once = dragging.rests and dragging.over
+    before = (After(0.0, Rested(dragging.rest)),) if at_once else ()
     return joined(before, _take_outcome(state, report))
 
 

@@ -34,7 +34,7 @@ def show_again(state: TabState, shown: Shown) -> Step:
     """Show a motion of the present design; what is a draft yet is followed by the whole body's."""
     work, design = state.work, state.design
     stop: tuple[Effect, ...] = () if work.awaited is None else (Stop(Queue.MOTION),)
-    dragging, _ = work.dragging.forget().request(design.jump, design.tuning, None)
+    dragging = work.dragging.done(design.jump, design.tuning)
     state = state.without_sequel().with_work(awaited=None, dropped=work.newest, dragging=dragging)
     status = summaries.plan_status(shown.plan, shown.source, shown.wanted, shown.reason)
     if shown.rollout is not None:

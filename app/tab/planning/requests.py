@@ -5,8 +5,10 @@ from dataclasses import dataclass, fields, replace
 from app.panel.acts import Act
 from app.panel.jump_types import not_supported, types_offered, with_type
 from app.panel.status import Verdict
-from app.tab.acts import Step, joined, on, submit
-from app.tab.effects import Keep, Queue, Stop
+from app.tab.acts import Step, also, joined, on, submit
+from app.tab.effects import After, Keep, Queue, Stop
+from app.tab.planning.beginning import draft_later
+from app.tab.planning.dragging import REST
 from app.tab.planning.known import show_again, with_answer
 from app.tab.planning.refining import refine, wants_refining
 from app.tab.simulating import simulate_again, simulate_next
@@ -39,11 +41,15 @@ def plan_design(state: TabState) -> Step:
     state = _of_a_supported_type(state)
     design, shown = state.design, state.shown
     start = None if shown is None else shown.centroidal or shown.plan
-    dragging, task = state.work.dragging.request(design.jump, design.tuning, start)
+    dragging, task = state.work.dragging.request(
+        design.jump, design.tuning, start, whole_body=state.whole_body
+    )
     state = state.with_work(dragging=dragging)
     if task is None:
         return state, ()
-    return _submit_plan(state, task, follows=not task.patient)
+    if task.patient:
+        return _submit_plan(state, task, follows=False)
+    return also(_submit_plan(state, task, follows=True), After(REST, Rested(dragging.rest)))
 
 
 def plan_or_keep(state: TabState) -> Step:
@@ -84,13 +90,13 @@ class Rested:
 
 @on(Rested)
 def rest(state: TabState, event: Rested) -> Step:
-    """A request that has rested is planned from scratch: by the whole body at once, where the
+    """A request that has rested and has its quick answer is planned from scratch: by the whole body at once, where the
     robot has a table of jumps from which such ones begin.
     """
     dragging, task = state.work.dragging.rested(event.number)
+    state = state.with_work(dragging=dragging)
     if task is None:
         return state, ()
-    state = state.with_work(dragging=dragging)
     shown = state.shown
     drafted = shown is not None and (shown.request, shown.plan.tuning) == (task.jump, task.tuning)
     if drafted and wants_refining(state) and begins_from_table(task.jump, task.tuning):
@@ -103,7 +109,7 @@ def settle(state: TabState) -> Step:
     status = replace(state.status, busy=False)
     state = replace(state, status=status, history=replace(state.history, changing=()))
     follow = refine if wants_refining(state) else simulate_next
-    return joined((Keep(state.design),), follow(state))
+    return draft_later(joined((Keep(state.design),), follow(state)))
 
 
 def _searches(state: TabState) -> bool:

@@ -95,8 +95,8 @@ def resume(state: TabState, page: PageReady, tickets: int = 0) -> Step:
         begun = (LoadRobot(state.given.plan.jump.robot),)
     elif not state.ready:
         state, begun = plan_design(state)
-    elif work.dragging.rests:
-        begun = (After(REST, Rested(work.dragging.rest)),)
+    if state.moving:
+        begun = (*begun, After(REST, Rested(work.dragging.rest)))
     robot = state.robot
     if robot is not None and not state.prepared:
         state, meshes = submit_beside(state, Queue.ROBOT, Prepare(robot.name))

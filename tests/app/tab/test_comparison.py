@@ -96,14 +96,14 @@ def test_the_chosen_pin_is_taken_up(tab):
     pin_at(tab, 0.05, 0.1)
     tab.take(PinChosen(0))
     tab.take(Act.USE_PINNED)
-    assert tab.one.task.jump.forward == 0.05
+    assert tab.task.jump.forward == 0.05
     assert places(tab.state) == [0.05, 0.1]
 
 
 def test_a_pins_chip_uses_its_design_and_lets_go_of_it(tab):
     pin_at(tab, 0.05, 0.1)
     tab.take(PinPressed("use", 0))
-    assert tab.one.task.jump.forward == 0.05
+    assert tab.task.jump.forward == 0.05
     tab.take(PinPressed("unpin", 0))
     assert places(tab.state) == [0.1]
     before = tab.state

@@ -65,7 +65,7 @@ def test_a_file_is_read_in_a_lane_of_its_own(tab, name, rate):
     tab.take(FileChoice(rate=25.0))
     tab.take(FileChosen(name, b"content"))
     assert tab.one.queue is Queue.OPEN
-    task = tab.one.task
+    task = tab.task
     assert isinstance(task, OpenFile)
     assert (task.name, task.content, task.robot, task.fps) == (name, b"content", "anymal", rate)
     assert tab.state.export.rate_needed == (rate is not None)
@@ -74,7 +74,7 @@ def test_a_file_is_read_in_a_lane_of_its_own(tab, name, rate):
 
 def test_of_two_files_the_newer_one_counts(tab):
     tab.take(FileChosen("a.npz", b""))
-    older = tab.one
+    older = tab.submits[-1]
     tab.take(FileChosen("b.npz", b""))
     before = tab.state
     tab.report(Opened(0, OpenedFile("a.npz", plan_of(JUMP))), submit=older)
@@ -106,7 +106,7 @@ def test_a_plan_is_shown_without_planning(tab):
     assert tab.state.status.figures[1] == ("Flight time", "0.500 s")
     assert tab.move() == ()  # it counts as planned
     tab.move(forward=0.13)
-    assert tab.one.task.near is plan
+    assert tab.task.near is plan
     assert tab.state.note == ""
     tab.take(Act.UNDO)
     tab.take(Act.UNDO)
@@ -115,7 +115,7 @@ def test_a_plan_is_shown_without_planning(tab):
 
 def test_a_file_ends_what_is_being_planned(tab):
     tab.move(forward=0.1)
-    running = tab.one
+    running = tab.submits[-1]
     opened(tab, plan_of(JUMP))
     assert not tab.state.status.busy
     before = tab.state
@@ -162,7 +162,7 @@ def test_a_plan_that_waits_for_its_robot_is_dropped_when_something_else_is_asked
 def test_a_design_is_planned(tab):
     design = Design(JUMP, Tuning(limits={"friction": 0.4}), SCENARIO, "Mine", "Look at it.")
     opened(tab, design, "mine.jump.json")
-    assert tab.one.task.jump == JUMP
+    assert tab.task.jump == JUMP
     assert tab.state.design == design
     assert tab.state.note == "Look at it."
 
@@ -226,13 +226,13 @@ def test_there_must_be_something_to_export():
 
 def test_plan_or_simulation_is_exported(tab):
     export(tab, "npz", of="simulation")
-    assert tab.one.task.trajectory is tab.state.plan  # there is no simulation
+    assert tab.task.trajectory is tab.state.plan  # there is no simulation
     tab.take(Act.SIMULATE)
     tab.finish_simulation()
     for of, trajectory in ((PLAN, tab.state.plan), ("simulation", tab.state.rollout)):
         export(tab, "npz", "csv", of=of)
         assert tab.one.queue is Queue.SAVE
-        assert tab.one.task.trajectory is trajectory
+        assert tab.task.trajectory is trajectory
         assert tab.state.files.saving_note == "Exporting npz, csv ..."
 
 
@@ -246,7 +246,7 @@ def test_plan_or_simulation_is_exported(tab):
 )
 def test_saving_ends(tab, report, effect):
     export(tab, "npz")
-    submit = tab.one
+    submit = tab.submits[-1]
     tab.report(Progress(0, "writing"))
     assert tab.state.files.saving_note == "Exporting npz ..."
     tab.report(Progress(0, "waiting: others", waiting=True))
@@ -314,9 +314,9 @@ def test_a_choice_in_the_dialog_is_the_menus(tab):
     tab.take(FileChoice("npz", ("csv",), PLAN))
     tab.take(ExportChosen("unitree-csv"))
     assert (tab.state.export.format, tab.state.export.also) == ("unitree-csv", ())
-    assert tab.one.task.formats == ("unitree-csv",)
-    assert tab.one.task.options == {}
-    assert not tab.one.task.zipped
+    assert tab.task.formats == ("unitree-csv",)
+    assert tab.task.options == {}
+    assert not tab.task.zipped
     assert tab.take(ExportChosen("csv")) == ()  # one is being written
     tab.report(Cancelled(0))
     assert tab.take(ExportChosen("nosuch")) == ()

@@ -29,7 +29,7 @@ def test_a_type_comes_with_its_defaults_and_is_planned_from_scratch(tab):
     jump = tab.state.design.jump
     assert (jump.type, jump.forward) == ("run-up", 0.01)
     assert jump.speed == jump_types.load_type("run-up").defaults["speed"] > 0
-    assert tab.one.task == PlanJump(jump)
+    assert tab.task == PlanJump(jump)
 
 
 def test_what_a_type_does_not_ask_for_goes(tab):
@@ -51,7 +51,7 @@ def test_a_number_of_the_type_is_a_number_like_others(tab):
     tab.settle()
     shown = tab.state.plan
     tab.move(speed=0.6)
-    assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
+    assert tab.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
     tab.take(Act.UNDO)
     assert tab.state.design.jump == shown.jump
     tab.take(Act.UNDO)
@@ -73,7 +73,7 @@ def test_a_plan_of_other_phases_or_turns_is_no_start(tab, before, after):
     tab.move(**before)
     tab.settle()
     tab.move(**after)
-    assert tab.one.task == PlanJump(tab.state.design.jump)
+    assert tab.task == PlanJump(tab.state.design.jump)
 
 
 def test_a_type_stays_on_another_robot_within_its_ranges(tab):
@@ -92,7 +92,7 @@ def test_a_type_without_feet_on_another_robot_is_told_and_together_instead(tab):
     tab.move(robot="slider")
     tab.finish_robot()
     assert tab.state.design.jump.type == "together"
-    assert tab.one.task.jump.type == "together"
+    assert tab.task.jump.type == "together"
     said = 'SLIDER does not support "Rear last". Planning "All feet together" instead.'
     assert tab.told == (Verdict.PLANNING, f"{said} ...")
     tab.finish_plan()

@@ -44,7 +44,7 @@ def tab():
 def test_the_first_request_is_planned_with_patience_and_played():
     tab = PureTab()
     tab.move(forward=0.1)
-    submit = tab.one
+    submit = tab.submits[-1]
     assert submit.queue is Queue.MOTION
     assert submit.task == PlanJump(tab.state.design.jump)
     assert tab.told[0] is Verdict.PLANNING
@@ -58,10 +58,10 @@ def test_the_first_request_is_planned_with_patience_and_played():
 def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
     shown = tab.state.plan
     tab.move(forward=0.05)
-    assert tab.one.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
-    tab.finish_plan()
-    assert isinstance(tab.one, After)
-    assert vars(tab.one) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
+    assert tab.task == PlanJump(tab.state.design.jump, near=shown, patient=False)
+    (after,) = tab.of(After)
+    assert vars(after) == {"seconds": REST, "event": Rested(tab.state.work.dragging.rest)}
+    assert tab.finish_plan() == ()
     assert tab.told[0] is Verdict.DRAFT
     assert tab.state.status.busy
     assert tab.state.plan.jump.forward == 0.05
@@ -70,18 +70,28 @@ def test_a_moving_slider_is_followed_quickly_from_what_is_shown(tab):
 def test_a_request_that_has_rested_is_planned_from_scratch_and_kept(tab):
     tab.move(forward=0.05)
     tab.finish_plan()
-    tab.take(tab.one.event)
-    assert tab.one.task == PlanJump(tab.state.design.jump)
+    tab.wait()
+    assert tab.task == PlanJump(tab.state.design.jump)
     tab.finish_plan()
     assert tab.one == Keep(tab.state.design)
     assert tab.told[0] is Verdict.DRAFT
     assert not tab.state.status.busy
 
 
+def test_a_rest_that_is_over_before_the_quick_answer_ends_with_it(tab):
+    tab.move(forward=0.05)
+    assert tab.wait() == ()
+    tab.finish_plan()
+    (after,) = tab.of(After)
+    assert vars(after) == {"seconds": 0.0, "event": Rested(tab.state.work.dragging.rest)}
+    tab.wait()
+    assert tab.task == PlanJump(tab.state.design.jump)
+
+
 def test_a_rest_that_was_broken_off_leads_to_nothing(tab):
     tab.move(forward=0.05)
+    rested = tab.due[Rested].event
     tab.finish_plan()
-    rested = tab.one.event
     tab.move(forward=0.06)
     assert tab.take(rested) == ()
     tab.finish_plan()
@@ -93,21 +103,21 @@ def test_a_rest_that_was_broken_off_leads_to_nothing(tab):
 )
 def test_from_far_away_it_is_quicker_to_start_anew(tab, change):
     tab.move(**change)
-    assert (tab.one.task.near, tab.one.task.patient) == (None, False)
+    assert (tab.task.near, tab.task.patient) == (None, False)
 
 
 def test_what_did_not_converge_or_is_of_another_model_is_no_start(tab):
     tab.move(model="srbm")
-    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+    assert (tab.task.near, tab.task.patient) == (None, True)
     tab.finish_plan(status="not-converged")
     tab.move(forward=0.05)
-    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+    assert (tab.task.near, tab.task.patient) == (None, True)
 
 
 def test_free_arms_are_no_start_for_held_ones():
     tab = planned_tab(robot="g1")
     tab.move(arms="held")
-    assert (tab.one.task.near, tab.one.task.patient) == (None, True)
+    assert (tab.task.near, tab.task.patient) == (None, True)
 
 
 @pytest.mark.parametrize(
@@ -130,19 +140,19 @@ def test_the_same_request_is_not_planned_twice(tab):
 def test_cancel_ends_a_rest_too(tab):
     tab.move(forward=0.05)
     tab.finish_plan()
-    rested = tab.one.event
+    rested = tab.due[Rested].event
     assert tab.take(Act.CANCEL) == (Stop(Queue.MOTION),)
     assert tab.told[0] is Verdict.CANCELLED
     assert not tab.state.status.busy
     assert tab.take(rested) == ()
     tab.move()  # the same request counts as a new one
-    assert isinstance(tab.one.task, PlanJump)
+    assert isinstance(tab.task, PlanJump)
 
 
 def test_other_weights_and_limits_are_planned(tab):
     tuning = Tuning(limits={"friction": 0.3})
     tab.take(tuning)
-    assert tab.one.task.tuning == tuning
+    assert tab.task.tuning == tuning
     tab.move(forward=0.1)
     assert tab.state.design.tuning == tuning
 
@@ -150,7 +160,7 @@ def test_other_weights_and_limits_are_planned(tab):
 def test_corrections_are_noted(tab):
     jump = replace(tab.state.design.jump, forward=0.6)
     tab.take(Corrected(jump, ("Forward [m]: too far", "Lateral [m]: too far")))
-    _, *after = tab.effects
+    _, _, *after = tab.effects
     assert after == [Notify("Corrected", "Forward [m]: too far; Lateral [m]: too far")]
     tab.take(Corrected(Scenario(), ("Seed: too large",)))
     assert tab.effects[1:] == (Notify("Corrected", "Seed: too large"),)
@@ -253,14 +263,14 @@ def test_another_robot_brings_its_example_and_is_prepared_first(tab):
     tab.move(robot="slider", forward=0.6)
     example = example_design(ROBOTS["slider"]).jump
     assert tab.state.design == Design(example)
-    assert tab.one.task == Prepare("slider")
+    assert tab.task == Prepare("slider")
     assert (tab.state.robot.name, tab.state.ready) == ("anymal", False)
     tab.move()
     assert tab.effects == ()  # it is under way
     tab.report(Prepared(0, "slider"))
     assert tab.one == LoadRobot("slider")
     tab.take(RobotLoaded(load_robot("slider")))
-    assert tab.one.task == PlanJump(example)
+    assert tab.task == PlanJump(example)
     assert tab.state.shown is None
     tab.finish_plan()
     assert tab.state.plan.jump == example
@@ -283,7 +293,7 @@ def test_a_robot_that_cannot_be_drawn_is_a_sentence(tab):
     tab.take(RobotMissing("go2", "no meshes"))
     assert tab.told == (Verdict.FAILED, "no meshes")
     tab.move(lateral=0.1)  # another try
-    assert tab.one.task == Prepare("go2")
+    assert tab.task == Prepare("go2")
 
 
 # ---- simulations
@@ -296,8 +306,7 @@ def test_the_plan_that_is_awaited_is_simulated_when_it_has_rested(tab, press, ki
     tab.move(forward=0.1)
     assert tab.take(press) == ()
     tab.finish_plan()
-    (after,) = tab.of(After)
-    tab.take(after.event)
+    tab.wait()
     tab.finish_plan()
     (submit,) = (effect for effect in tab.effects if not isinstance(effect, Keep))
     assert isinstance(submit.task, kind)
@@ -315,7 +324,7 @@ def test_it_is_not_simulated_when_something_else_was_asked_for_meanwhile(tab, ev
 
 def test_seeds_are_simulated_in_turn(tab):
     tab.take(Act.SEEDS)
-    assert tab.one.task.seeds == tuple(range(20))
+    assert tab.task.seeds == tuple(range(20))
     assert (tab.state.seeds.plan, tab.state.seeds.count) == (tab.state.plan, 20)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from app.panel.acts import Act
 from app.panel.status import SeedResult, Verdict
-from app.tab.effects import After, Play, Stop, Submit
+from app.tab.effects import Play, Stop, Submit
 from app.tab.simulating import Automatically, status_of
 from app.workers.reports import (
     Cancelled,
@@ -43,7 +43,7 @@ def test_while_a_slider_moves_plans_of_older_requests_are_shown(tab):
     submits = []
     for forward in (0.05, 0.1, 0.15):
         tab.move(forward=forward)
-        submits.append(tab.one)
+        submits.append(tab.submits[-1])
     tab.finish_plan(submits[1])
     assert tab.state.plan.jump.forward == 0.1
     assert tab.told[0] is Verdict.DRAFT
@@ -56,7 +56,7 @@ def test_while_a_slider_moves_plans_of_older_requests_are_shown(tab):
 
 def test_of_older_jobs_nothing_but_answers_counts(tab):
     tab.move(forward=0.05)
-    older = tab.one
+    older = tab.submits[-1]
     tab.move(forward=0.1)
     before = tab.state
     for report in (
@@ -71,7 +71,7 @@ def test_of_older_jobs_nothing_but_answers_counts(tab):
 
 def test_a_plan_of_another_robot_is_not_shown(tab):
     tab.move(forward=0.05)
-    older = tab.one
+    older = tab.submits[-1]
     tab.move(robot="go2")
     tab.finish_robot()
     assert tab.finish_plan(older) == ()
@@ -110,16 +110,16 @@ def refusal(task, nearest=None):
 def refuse(tab, nearest=None, **changes):
     """A request that is refused, quickly and once it has rested."""
     tab.move(**changes)
-    quick = tab.one.task
+    quick = tab.task
     tab.report(refusal(quick, nearest))
     if not quick.patient:
-        tab.take(tab.one.event)
-        tab.report(refusal(tab.one.task if tab.of(Submit) else quick, nearest))
+        tab.wait()
+        tab.report(refusal(tab.task if tab.of(Submit) else quick, nearest))
 
 
 def test_a_refusal_shows_the_nearest_jump_at_once_and_says_why(tab):
     tab.move(forward=0.1)
-    asked = tab.one.task
+    asked = tab.task
     tab.report(refusal(asked, {"forward": 0.05}))
     status = tab.state.status
     assert status.verdict is Verdict.NEAREST
@@ -128,11 +128,10 @@ def test_a_refusal_shows_the_nearest_jump_at_once_and_says_why(tab):
     assert tab.state.plan.jump.forward == 0.05
     assert tab.state.shown.remark == "Nearest: forward 0.05 m instead of 0.1 m"
     assert tab.state.design.jump.forward == 0.1, "the controls stay with what was asked for"
-    (after,) = tab.of(After)
-    tab.take(after.event)
-    assert tab.one.task == PlanJump(asked.jump)
+    tab.wait()
+    assert tab.task == PlanJump(asked.jump)
     assert tab.told[0] is Verdict.NEAREST
-    tab.report(refusal(tab.one.task, {"forward": 0.06}))
+    tab.report(refusal(tab.task, {"forward": 0.06}))
     assert tab.state.status.points[0] == "Forward 0.06 m instead of 0.1 m."
     assert not tab.state.status.busy
     assert tab.kept() == [tab.state.design]
@@ -142,7 +141,7 @@ def test_the_nearest_moves_with_the_slider(tab):
     submits = []
     for forward in (0.1, 0.2, 0.3):
         tab.move(forward=forward)
-        submits.append(tab.one)
+        submits.append(tab.submits[-1])
     for submit, nearest in zip(submits, (0.05, 0.06, 0.07)):
         tab.report(refusal(submit.task, {"forward": nearest}), submit=submit)
         assert tab.told[0] is Verdict.NEAREST
@@ -172,8 +171,8 @@ def test_the_nearest_is_simulated_pinned_and_undone(tab):
     tab.move(forward=0.1)
     tab.take(Act.SIMULATE)  # while it is planned
     tab.report(refusal(tab.submits[-1].task, {"forward": 0.05}))
-    tab.take(tab.of(After)[0].event)
-    tab.report(refusal(tab.one.task, {"forward": 0.05}))
+    tab.wait()
+    tab.report(refusal(tab.task, {"forward": 0.05}))
     (submit,) = tab.of(Submit)
     assert submit.task.plan.jump.forward == 0.05
     tab.finish_simulation()
@@ -188,11 +187,11 @@ def test_the_nearest_is_simulated_pinned_and_undone(tab):
 def test_without_a_nearest_the_last_plan_stays_until_the_request_rests(tab):
     before = tab.state.shown
     tab.move(forward=0.1)
-    tab.report(refusal(tab.one.task))
+    tab.report(refusal(tab.task))
     assert tab.told[0] is Verdict.INFEASIBLE
     assert tab.state.shown is before
-    tab.take(tab.one.event)
-    tab.report(refusal(tab.one.task))
+    tab.wait()
+    tab.report(refusal(tab.task))
     assert tab.state.status.points[0] == f"{REASON}."
     assert not tab.state.status.busy
     assert not tab.state.plan.solved
@@ -203,9 +202,9 @@ def test_without_a_nearest_the_last_plan_stays_until_the_request_rests(tab):
 def test_an_iterate_that_makes_no_sense_is_not_drawn(tab):
     before = tab.state.shown
     tab.move(forward=0.1, model="srbm")
-    plan = plan_of(tab.one.task.jump, "not-converged")
+    plan = plan_of(tab.task.jump, "not-converged")
     broken = replace(plan, com=np.full_like(plan.com, np.nan))
-    tab.report(Refused(0, tab.one.task.jump, "diverged", broken))
+    tab.report(Refused(0, tab.task.jump, "diverged", broken))
     assert tab.state.shown is before
     assert tab.state.status.points[0] == "Diverged."
 
@@ -215,7 +214,7 @@ def test_a_refused_request_counts_as_new_when_it_is_made_again(tab):
     tab.report(Failed(0, "twist: too much"))
     assert tab.told == (Verdict.FAILED, "twist: too much")
     tab.move()
-    assert tab.one.task.jump == tab.state.design.jump
+    assert tab.task.jump == tab.state.design.jump
 
 
 @pytest.mark.parametrize("of", ["plan", "simulation"])
@@ -315,7 +314,7 @@ def test_another_plan_has_no_seeds_yet(tab):
 
 def test_a_plan_that_was_asked_for_before_a_file_came_is_dropped(tab):
     tab.move(forward=0.1)
-    submit = tab.one
+    submit = tab.submits[-1]
     tab.state = replace(tab.state, work=replace(tab.state.work, dropped=submit.ticket))
     before = tab.state
     assert tab.report(Planned(0, plan_of(submit.task.jump)), submit=submit) == ()
@@ -361,7 +360,7 @@ def test_where_it_is_quick_every_change_is_simulated_once_one_was(tab):
     tab.move(forward=0.1)
     tab.finish_plan()
     assert not simulations(tab), "a hand may still be moving"
-    tab.take(tab.of(After)[0].event)
+    tab.wait()
     tab.finish_plan()
     assert [task.plan.jump.forward for task in simulations(tab)] == [0.1]
     tab.finish_simulation()

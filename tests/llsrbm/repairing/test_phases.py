@@ -6,7 +6,8 @@ import pytest
 import llsrbm
 from llsrbm.motion.flights import flights
 from llsrbm.motion.whole_body import whole_body_motion
-from llsrbm.repairing.phases import contact_phases, noise
+from llsrbm.repairing.phases import contact_phases
+from llsrbm.repairing.stances import noise
 from tests.llsrbm.player.stages import stored_plan
 from tests.llsrbm.repairing.foreign import GO2, of_states, stepping
 

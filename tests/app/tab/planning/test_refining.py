@@ -6,7 +6,7 @@ import pytest
 
 from app.panel.acts import Act
 from app.panel.status import Verdict
-from app.tab.effects import After, Submit
+from app.tab.effects import Submit
 from app.tab.planning.refining import WholeBody
 from app.tab.simulating import Automatically
 from app.tab.start.opening import TabOpened, example_design, first_state
@@ -63,9 +63,8 @@ def test_a_plan_is_refined_when_its_request_has_rested_and_then_simulated(known)
     tab.finish_simulation()
     tab.move(forward=0.1)
     tab.finish_plan()  # the quick one
-    (rested,) = tab.of(After)
     with learned_of(*([tab.state.robot] if known else [])):
-        tab.take(rested.event)
+        tab.wait()
     if not known:  # that the whole body does it
         assert isinstance(tab.submits[-1].task, PlanJump)
         tab.finish_plan()
@@ -116,8 +115,7 @@ def test_the_nearest_jump_becomes_the_whole_bodys_too():
     failed = plan_of(asked.jump, "not-converged")
     tab.report(Refused(0, asked.jump, "its knees", failed, nearest))
     assert tab.told == (Verdict.NEAREST, "(the whole body's plan follows) ...")
-    for after in tab.of(After):  # once the slider rests
-        tab.take(after.event)
+    tab.wait()  # until the slider rests
     assert tab.submits[-1].task.wanted == asked.jump
     finish(tab)
     assert tab.state.plan.certified
@@ -156,6 +154,36 @@ def test_while_a_slider_moves_nothing_is_refined():
     tab.finish_plan()
     assert tab.state.work.dragging.rests
     assert isinstance(tab.submits[-1].task, PlanJump)
+
+
+def test_what_is_far_from_the_plan_that_is_shown_is_sought_by_the_whole_body_at_once():
+    tab = refining(twist=0.5)
+    finish(tab)
+    tab.move(twist=2.0)
+    assert tab.task.whole_body
+    tab.wait()  # whatever rests until then
+    draft = plan_of(tab.submits[-1].task.jump)
+    tab.report(Planned(tab.submits[-1].ticket, refined_plan(draft)))
+    assert tab.told == (Verdict.FEASIBLE, "")
+    assert not tab.state.planning
+    assert tab.kept() == [tab.state.design]
+    assert tab.of(Submit) == []
+    tab.wait()  # its draft, for the next steps
+    assert (tab.task.alone, tab.task.whole_body) == (True, False)
+    tab.report(Planned(0, draft))
+    tab.move(twist=2.1)
+    assert (tab.task.near, tab.task.whole_body) == (draft, False)
+
+
+def test_where_it_is_a_draft_yet_that_is_followed():
+    tab = refining(twist=0.5)
+    finish(tab)
+    tab.move(twist=2.0)
+    tab.finish_plan()
+    assert tab.state.work.dragging.rests
+    with learned_of(tab.state.robot):
+        tab.wait()
+    assert isinstance(tab.submits[-1].task, RefinePlan)
 
 
 @pytest.mark.parametrize("event", [WholeBody(True), Act.ROBOT_SIMULATOR])
