@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from llsrbm.certified_nearest import all_or_less, is_unlikely, less_alone, whole_or_nearest
+from llsrbm.certified_nearest import all_or_less, gives_up, less_alone, whole_or_nearest
 from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.drafting import Drafting
 from llsrbm.errors import InputError, NotConverged
@@ -102,7 +102,7 @@ def _whole_body_plan(task: Task, robot: Robot, drafting: Drafting, guesses: bool
     if near is not None and near.plan.jump == task.jump:
         return near.plan
     if near is not None:  # what stops the rest is known
-        if is_unlikely(task.jump, task.tuning):
+        if gives_up(near, task):
             raise less_alone(near, task.jump)
         drafting = replace(drafting, patient=False, explains=False)
     try:

@@ -12,7 +12,7 @@ import warnings
 import numpy as np
 from scipy.interpolate import UnivariateSpline
 
-from llsrbm.arrays import Array
+from llsrbm.arrays import Array, IntArray
 from llsrbm.body.momentum import centroidal_states
 from llsrbm.body.postures import solve_postures
 from llsrbm.mechanics import (
@@ -34,6 +34,9 @@ from llsrbm.repairing.stances import noise
 from llsrbm.robots.robot import Robot
 
 FARTHEST = 0.03  # m that a foot may be from its foothold as the robot stands at an end
+# m by which it stands lower there, in turn, until all feet reach theirs: where one of the motion's
+# feet hangs in the air, the middle of them is too high.
+LOWER = (0.0, 0.03, 0.06)
 BESIDE = 0.2  # s of the motion beside its jump that smoothing looks at
 _RATES = {
     "acceleration": "velocity",
@@ -87,8 +90,10 @@ def _states(request: Request, grid: Grid) -> dict[str, Array]:
     at = grid.times(edges)
     phase = [grid.phase_at(half) for half in range(len(at))]
     faster = (np.diff(edges) / _durations(request))[phase][:, None]
-    position = request.frame.points(known.base_position)
-    quat = sign_continuous(request.frame.attitudes(known.base_quat))
+    place = np.interp(known.time, edges, _places_at_edges(request))
+    position = request.frame.points(request.led.points(place, known.base_position))
+    turned = request.led.attitudes(place, known.base_quat)
+    quat = sign_continuous(request.frame.attitudes(turned))
     quat = quat * np.copysign(1.0, quat[0, 0])  # w is positive as it begins
     beside = (known.time >= edges[0] - BESIDE) & (known.time <= edges[-1] + BESIDE)
     columns = np.hstack([position, quat, known.joint_position])[beside]
@@ -111,9 +116,14 @@ def _states(request: Request, grid: Grid) -> dict[str, Array]:
 
 def _at_edges(request: Request) -> Array:
     """(P + 1,) m by which the motion's feet are above their footholds, at the phases' edges."""
+    return np.array(request.sunk[_places_at_edges(request)])
+
+
+def _places_at_edges(request: Request) -> IntArray:
+    """(P + 1,) the place where the robot stands, or stood last, at the phases' edges."""
     places = request.part.places
     here = [places[k] if feet else places[k - 1] for k, feet in enumerate(request.part.feet)]
-    return np.array(request.sunk[[*here, places[-1]]])
+    return np.array([*here, places[-1]])
 
 
 def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:
@@ -146,8 +156,11 @@ def _stand(request: Request, robot: Robot, states: dict[str, Array]) -> None:
     feet = np.array([task.places[0].feet, task.places[-1].feet])
     soles = quaternions_about_z(np.array([task.places[0].yaw, task.places[-1].yaw]))
     near = states["joint_position"][ends]
-    found = solve_postures(robot, com, quat, feet, soles, near=near)
-    if found.residual_m.max() > FARTHEST:
+    for lower in LOWER:
+        found = solve_postures(robot, com - [0.0, 0.0, lower], quat, feet, soles, near=near)
+        if found.residual_m.max() <= FARTHEST:
+            break
+    else:
         when = ("begins", "ends")[int(found.residual_m.argmax())]
         raise NoJump(
             f"{robot.name} cannot stand as the motion {when}: a foot is "

@@ -6,10 +6,14 @@ certificate, which is between the nodes, it is found again with more intervals.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 from llsrbm.certificate import certified
+from llsrbm.certified_nearest import all_or_less
+from llsrbm.certified_plan import CertifiedPlanner
 from llsrbm.motion.plan import Plan
+from llsrbm.planning.problem.placement import make_task
 from llsrbm.planning.solve.jump_layout import layout_of
 from llsrbm.planning.solve.watch import Watch
 from llsrbm.planning.whole_body.grid import Grid
@@ -50,6 +54,18 @@ def nearest(request: Request, robot: Robot, watch: Watch) -> Plan:
     again = finer.keep(missed, task, NEAR[-1], watch)
     again = _checked(again, robot, watch) if again.refined else missed
     return again if again.certified else missed
+
+
+def jump_alone(request: Request, watch: Watch) -> Plan | None:
+    """The robot's own jump that lands nearest to where the motion does, whatever its limbs do.
+
+    None: its robot has no table of solved jumps like it, or none is found from there. Raises
+    `Cancelled`.
+    """
+    jump = replace(request.task.jump, stones=())
+    planner = CertifiedPlanner(cancelled=watch.cancelled, progress=watch.progress)
+    found = all_or_less(planner, make_task(jump, request.task.robot))
+    return None if found is None else found.plan
 
 
 def _checked(plan: Plan, robot: Robot, watch: Watch) -> Plan:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from llsrbm.errors import Error
 from llsrbm.mechanics import GRAVITY, tilt
 from llsrbm.motion.whole_body import WholeBodyMotion
 from llsrbm.repairing.feet import feet_of
-from llsrbm.repairing.phases import ContactPhase
+from llsrbm.repairing.phases import ContactPhase, phase_name
 
 SHORT = 0.2  # s: what is shorter beside a flight may be done on all feet
 LOOKED_AT = 0.15  # s for which feet are looked at where they stand
@@ -99,6 +100,7 @@ def parts(motion: WholeBodyMotion, phases: tuple[ContactPhase, ...]) -> list[Par
     if not any(phase.feet for phase in phases):
         raise NoJump("no foot stays in its place anywhere for as long as feet that stand do")
     legs = len(motion.robot.legs)
+    phases = tuple(_without_taps(phases, motion.robot.leg_names))
     stood = [k for k, phase in enumerate(phases) if len(phase.feet) == legs]
     if not any(not phase.feet for phase in phases):
         raise NoJump("no foot leaves the ground for a flight of all feet")
@@ -117,6 +119,21 @@ def parts(motion: WholeBodyMotion, phases: tuple[ContactPhase, ...]) -> list[Par
         raise NoJump("no flight begins and ends with all feet on the ground")
     rows = [phases[first : last + 1] for first, last in found]
     return [_at_rest(Part(motion, row, _slower(motion, row))) for row in rows]
+
+
+def _without_taps(
+    phases: tuple[ContactPhase, ...], legs: tuple[str, ...]
+) -> Iterator[ContactPhase]:
+    """The phases, with all feet where some hardly leave between two phases on all."""
+    taken: list[ContactPhase] = []
+    for k, phase in enumerate(phases):
+        beside = phases[max(k - 1, 0)].feet, phases[min(k + 1, len(phases) - 1)].feet
+        if phase.feet and beside == (legs, legs) and phase.end_s - phase.start_s <= SHORT:
+            phase = replace(phase, feet=legs, name=phase_name(legs, len(legs)))
+        taken.append(phase)
+    for _, alike in groupby(taken, key=lambda phase: phase.feet):
+        first, *others = alike
+        yield replace(first, end_s=others[-1].end_s) if others else first
 
 
 def merged(part: Part) -> Part:

@@ -16,18 +16,23 @@ from llsrbm.planning.solve.watch import Progress, Watch
 from llsrbm.repairing.believable import check_amounts, check_states
 from llsrbm.repairing.given_phases import Given, given_phases
 from llsrbm.repairing.moved import moved
-from llsrbm.repairing.nearest import nearest
+from llsrbm.repairing.nearest import jump_alone, nearest
 from llsrbm.repairing.part import NoJump, Part, parts
 from llsrbm.repairing.phases import ContactPhase, contact_phases
 from llsrbm.repairing.repeated import without_repeated
 from llsrbm.repairing.request import Request, request_of
 from llsrbm.repairing.result import FAILED, REPAIRED, UNCHANGED, Moved, Repair
+from llsrbm.repairing.shares import shares
 from llsrbm.request.messages import Whole
 
 RATE = 100.0  # frames/s at which plans and rollouts are taken
 # What a motion may move without being called repaired, where no check of it is broken.
 SAME_JOINTS, SAME_BASE, SAME_TIME = 0.02, 0.01, 0.02  # rad, m, s
 STRETCHED = 0.05  # of the time that flights take, beyond which it is remarks
+JUMP_ALONE = (
+    "No motion near it was found that keeps all limits: this is the robot's own jump that lands "
+    "nearest to where it does."
+)
 
 
 def repair(
@@ -107,17 +112,25 @@ def repaired_part(part: Part, before: Certificate, watch: Watch) -> tuple[Repair
 
     `before`: of the motion. Raises `Cancelled`.
     """
+    robot = part.motion.robot
     try:
-        check_states(part, part.motion.robot)
-        request = request_of(part, part.motion.robot)
-        check_amounts(request, part.motion.robot)
-        plan = nearest(request, part.motion.robot, watch)
+        check_states(part, robot)
+        whole = request_of(part, robot)
+        check_amounts(whole, robot)
+        found = []
+        for share in shares(whole, robot):
+            request = whole if share == 1.0 else request_of(part, robot, share)
+            plan = nearest(request, robot, watch)
+            found.append((_result(before, request, plan, _remarks(part, share)), request))
+            if found[-1][0].status != FAILED:
+                return found[-1]
     except NoJump as error:
         return Repair(FAILED, before, phases=part.phases, why=sentence(error)), None
-    return _result(before, request, plan), request
+    alone = jump_alone(whole, watch)
+    return found[0] if alone is None else (_result(before, whole, alone, JUMP_ALONE), whole)
 
 
-def _result(before: Certificate, request: Request, plan: Plan) -> Repair:
+def _result(before: Certificate, request: Request, plan: Plan, remarks: str) -> Repair:
     result = Repair(
         FAILED,
         before,
@@ -136,7 +149,7 @@ def _result(before: Certificate, request: Request, plan: Plan) -> Repair:
             result, why=f"The nearest motion that was found does not hold its limit of {broken}."
         )
     same = not before.broken and _is_same(by)
-    return replace(result, status=UNCHANGED if same else REPAIRED, why=_remarks(request.part))
+    return replace(result, status=UNCHANGED if same else REPAIRED, why=remarks)
 
 
 def _is_same(by: Moved) -> bool:
@@ -161,9 +174,11 @@ def sentence(reason: NoJump) -> str:
     return f"{str(reason)[0].upper()}{str(reason)[1:]}."
 
 
-def _remarks(part: Part) -> str:
+def _remarks(part: Part, share: float) -> str:
     """Sentences on what was taken otherwise than the motion has it."""
     remarks = []
+    if share < 1.0:
+        remarks.append(f"It leads {share:.0%} of the way and of the turn: more was not found.")
     if part.merged:
         remarks.append("Feet that leave or land one after the other do so together in the plan.")
     if abs(part.slower - 1) > STRETCHED:

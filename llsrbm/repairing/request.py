@@ -12,15 +12,18 @@ from typing import Any
 import numpy as np
 
 from llsrbm.arrays import Array
-from llsrbm.mechanics import apply, rotation_matrices, turns_about_z, yaw
+from llsrbm.errors import InputError
+from llsrbm.mechanics import rotation_matrices, turns_about_z, yaw
 from llsrbm.planning.problem.placement import place_task
 from llsrbm.planning.problem.task import Footholds, Task, contact_points
 from llsrbm.repairing.feet import feet_of
 from llsrbm.repairing.frame import Frame, frame_between
+from llsrbm.repairing.led import Led, Way
 from llsrbm.repairing.part import NoJump, Part, merged
 from llsrbm.repairing.phases import ContactPhase
+from llsrbm.request.feet_order import order_of
 from llsrbm.request.jump import IN_A_ROW, PLAIN, Jump
-from llsrbm.request.jump_types import JumpType, names
+from llsrbm.request.jump_types import JumpType, load_type, names
 from llsrbm.request.route import MOST, Landing
 from llsrbm.request.stones import Stone
 from llsrbm.robots.robot import Robot
@@ -37,12 +40,14 @@ class Request:
 
     Attributes:
         part: of the motion; frame: the project's, in the file's.
+        led: from where the motion leads to where the plan is to lead.
         task: with the motion's own footholds in place of the robot's.
         sunk: (places,) m by which the motion's feet stand above their footholds.
     """
 
     part: Part
     frame: Frame
+    led: Led
     task: Task
     sunk: Array
 
@@ -53,8 +58,8 @@ class Request:
         return tuple(replace(own, name=phase.name) for own, phase in both)
 
 
-def request_of(part: Part, robot: Robot) -> Request:
-    """The request of a part of a motion.
+def request_of(part: Part, robot: Robot, share: float = 1.0) -> Request:
+    """The request of a part of a motion, or of one that leads a share of its way and of its turn.
 
     Raises:
         NoJump: feet stand in an order of which there is no jump type; a body that turns over.
@@ -64,39 +69,55 @@ def request_of(part: Part, robot: Robot) -> Request:
     middles, headings = _stood(places, robot)
     headings = _whole_turns(part, headings)
     frame = Frame(float(headings[0]), np.array([*middles[0], places[0, :, 2].mean()]))
+    own_way = Way(middles, headings)
+    led = Led(own_way, own_way.shared(share))
+    at, headings = np.arange(len(places), dtype=np.float64), led.to.headings
+    places = led.points(at, places)
     height = places[..., 2].mean(axis=1) - frame.origin[2]
     height[np.abs(height) < LEVEL] = 0.0
     landings = [
         Landing(*_rounded([*ahead, rise, turn]))
-        for ahead, rise, turn in zip(
-            _steps(middles, headings), np.diff(height), np.diff(headings), strict=True
-        )
+        for ahead, rise, turn in zip(led.to.steps, np.diff(height), np.diff(headings), strict=True)
     ]
     jump = _jump(robot, kind, landings)
     task = place_task(jump, robot)
     feet = frame.points(places)
     sunk = feet[..., 2].mean(axis=1) - height
     feet[..., 2] = height[:, None]
-    yaws = _sole_yaws(part, robot) - frame.yaw if len(robot.corners) > 1 else 0 * feet[..., 0]
+    yaws = 0 * feet[..., 0]
+    if len(robot.corners) > 1:
+        yaws = _sole_yaws(part, robot) - frame.yaw + led.turns(at)[:, None]
     own = tuple(
         _footholds(robot, feet[k], yaws[k], float(headings[k] - headings[0]), place.origin)
         for k, place in enumerate(task.places)
     )
     if len(landings) == 1:
         task = replace(task, jump=replace(jump, stones=_stones(task, feet[-1])))
-    return Request(part, frame, replace(task, places=own), sunk)
+    return Request(part, frame, led, replace(task, places=own), sunk)
 
 
 def _of_a_type(part: Part, robot: Robot) -> tuple[Part, str]:
-    """The jump type of a part; of one that has none, that of it without its short phases."""
+    """The jump type of a part; of one that has none, that of it without its short phases, or the
+    order of these.
+    """
     if part.flights > MOST:
         raise NoJump(f"it has {part.flights} flights in a row; expected at most {MOST}")
     for one in (part, merged(part)):
         for name, kind in names().items():
             if _plain(kind) and _feet(kind, robot, one.flights) == one.feet:
                 return one, name
-    order = " - ".join(phase.name for phase in part.phases)
-    raise NoJump(f"its feet stand in an order of which there is no jump type ({order})")
+    own = merged(part)
+    order = order_of(own.feet, robot.leg_names)
+    if own.flights > 1:
+        raise NoJump(
+            f"its feet stand in an order of which there is no jump type with {own.flights} flights "
+            f"({order})"
+        )
+    try:
+        load_type(order).schedule(robot)
+    except InputError as error:
+        raise NoJump(f"its feet stand in an order that is no jump's: {error}") from error
+    return own, order
 
 
 def _plain(kind: JumpType) -> bool:
@@ -110,7 +131,10 @@ def _feet(kind: JumpType, robot: Robot, flights: int) -> tuple[tuple[str, ...], 
     hops = "hops" in kind.parameters
     if flights > 1 and not hops:
         return None
-    schedule = kind.schedule(robot, Jump(hops=flights) if hops else Jump())
+    try:
+        schedule = kind.schedule(robot, Jump(hops=flights) if hops else Jump())
+    except InputError:  # the robot lacks its feet
+        return None
     return tuple(phase.feet for phase in schedule)
 
 
@@ -137,13 +161,6 @@ def _whole_turns(part: Part, headings: Array) -> Array:
         turned = headings[0] + at[1] - at[0]
         found[place] += 2 * np.pi * np.round((turned - headings[place]) / (2 * np.pi))
     return found
-
-
-def _steps(middles: Array, headings: Array) -> Array:
-    """(n - 1, 2) m ahead and to the left, from each place (n, 2) m to the next."""
-    steps = np.diff(middles, axis=0)
-    back = np.swapaxes(turns_about_z(headings[:-1]), -1, -2)[:, :2, :2]
-    return apply(back, steps)
 
 
 def _rounded(values: list[Any]) -> list[float]:

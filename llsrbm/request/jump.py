@@ -102,7 +102,12 @@ class Jump:
     ] = 0.0
     type: Annotated[
         str,
-        Name("Jump type: a name (see `llsrbm types`) or the path of a type's TOML file", "", 1000),
+        Name(
+            "Jump type: a name (see `llsrbm types`), the path of a type's TOML file, or an order "
+            'of feet: "all - right - none - right - all"',
+            "",
+            1000,
+        ),
     ] = PLAIN
     roll: Annotated[
         float,

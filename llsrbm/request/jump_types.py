@@ -20,6 +20,7 @@ from pydantic import Field, model_validator
 from llsrbm.arrays import Array
 from llsrbm.errors import InputError, printable
 from llsrbm.installed import assets_directory
+from llsrbm.request.feet_order import is_order, table_of
 from llsrbm.request.jump import PLAIN, Jump
 from llsrbm.request.jump import TYPE_PARAMETERS as TYPE_PARAMETERS
 from llsrbm.request.messages import check_kind, choices
@@ -187,17 +188,20 @@ def names() -> dict[str, JumpType]:
 
 
 def load_type(name: str) -> JumpType:
-    """A preset by its name, or a file by its path. Raises `InputError`: no such preset or file, or
-    not a jump type; one line.
+    """A preset by its name, a file by its path, or the order in which feet stand.
+
+    Raises `InputError`: no such preset or file, or not a jump type; one line.
     """
     presets = _presets()
     if name in presets:
         return _current(presets[name])
+    if is_order(name):
+        return _of_order(name)
     path = Path(name)
     if path.suffix != ".toml":
         raise InputError(
-            f'unknown jump type "{printable(name)}"; {choices(name, sorted(presets))}, or the path '
-            "of a .toml file"
+            f'unknown jump type "{printable(name)}"; {choices(name, sorted(presets))}, the path of '
+            'a .toml file, or an order of feet such as "all - right - none - right - all"'
         )
     if not path.exists():
         raise InputError(f"{printable(name, 200)}: no such file; expected a jump type (TOML)")
@@ -254,6 +258,11 @@ def _current(path: Path) -> JumpType:
         return _read(path, path.stat().st_mtime_ns)
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror})") from error
+
+
+@lru_cache(maxsize=32)
+def _of_order(order: str) -> JumpType:
+    return validated(JumpType, table_of(order), f'jump type "{printable(order)}"')
 
 
 @lru_cache(maxsize=32)

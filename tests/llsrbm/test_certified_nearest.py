@@ -118,6 +118,34 @@ def test_without_a_table_a_draft_of_less_is_solved_on_one_grid():
     assert whole.searched == ["draft"]
 
 
+@pytest.mark.parametrize(
+    ("limits", "unlikely"),
+    [
+        ({}, True),
+        ({"torque_share": 0.6, "clearance": 0.05}, True),
+        ({"torque_share": 1.0}, False),  # whether it can be done with more is not known
+        ({"clearance": 0.0}, False),
+        ({"torque_share": 0.6, "clearance": 0.0}, False),
+    ],
+)
+def test_what_is_unlikely_stays_so_with_tighter_limits(limits, unlikely):
+    assert certified_nearest.is_unlikely(HARD, Tuning(limits=limits)) is unlikely
+    assert not certified_nearest.is_unlikely(ALL, Tuning(limits=limits))
+
+
+def test_nothing_nearer_is_looked_for_where_much_is_given_up():
+    near = less_of_all()
+    some = replace(ALL, twist=0.9 * ALL.twist)
+    assert not certified_nearest.gives_up(near, task(replace(LESS, twist=LESS.twist + 0.05)))
+    assert certified_nearest.gives_up(near, task(replace(some, lateral=some.lateral + 0.1)))
+
+
+@pytest.mark.parametrize("jump", [ALL, HARD])
+def test_of_what_is_likely_the_table_is_sure(jump):
+    assert certified_nearest.is_likely(jump, Tuning()) is (jump == ALL)
+    assert not certified_nearest.is_likely(jump, Tuning(limits={"torque_share": 0.6}))
+
+
 def test_of_a_robot_that_carries_something_no_table_is_missed(caplog):
     loaded = replace(ALL, payload=(2.0, 0.0, 0.0, 0.1))
     robot = with_payload(load_robot("go2"), loaded.payload)

@@ -47,6 +47,8 @@ def _outcomes(report: Report, task: Task) -> tuple[Tuning, dict[Jump, bool]]:
             return task.tuning, {found.plan.jump: True}
         case RefinePlan(plan=draft, wanted=wanted), Refused(nearest=Plan() as less):
             return draft.tuning, {wanted: False, less.jump: True}
+        case PlanJump(), Planned(plan=plan) if plan.certified:
+            return task.tuning, {plan.jump: True}
         case PlanJump(jump=jump, patient=True), Refused():
             return task.tuning, {jump: False}
     return Tuning(), {}

@@ -36,38 +36,38 @@ class Watch:
         self, cancelled: Callable[[], bool] | None = None, progress: Progress | None = None
     ) -> None:
         check_functions(cancelled=cancelled, progress=progress)
-        self._cancelled, self._progress = cancelled, progress
+        self.cancelled, self.progress = cancelled, progress
         self._text = ""
         self._table = IterationTable()
 
     @property
     def read(self) -> Callable[[str], None] | None:
         """Takes a solver's printed output; None when progress is not wanted."""
-        return None if self._progress is None else self._table.read
+        return None if self.progress is None else self._table.read
 
     def wait(self) -> None:
         """Until CasADi may be used. Raises `Cancelled`: on request."""
-        when_idle(self._cancelled)
+        when_idle(self.cancelled)
 
     def begin(self, text: str) -> None:
         """Report the next step. Raises `Cancelled`: on request."""
-        if self._cancelled is not None and self._cancelled():
+        if self.cancelled is not None and self.cancelled():
             raise Cancelled("planning was cancelled")
         self._text = text
         # A new one before its `read` is handed on.
         self._table = IterationTable()
-        if self._progress is not None:
-            self._progress(PlanningProgress(text))
+        if self.progress is not None:
+            self.progress(PlanningProgress(text))
 
     def built(self, make: Callable[[], Result]) -> Result:
         """The thing that `make` builds. Raises `Cancelled`: on request."""
-        return interruptible(make, self._cancelled)
+        return interruptible(make, self.cancelled)
 
     def over(self, solve: Callable[[], Solution]) -> Solution:
         """Run `solve`, reporting progress; its result. Raises `Cancelled`: on request."""
-        report = None if self._progress is None else self._report
-        return attended(solve, lambda: self._table.last, report, self._cancelled)
+        report = None if self.progress is None else self._report
+        return attended(solve, lambda: self._table.last, report, self.cancelled)
 
     def _report(self, iteration: int, residual: float) -> None:
-        if self._progress is not None:
-            self._progress(PlanningProgress(self._text, iteration, residual))
+        if self.progress is not None:
+            self.progress(PlanningProgress(self._text, iteration, residual))

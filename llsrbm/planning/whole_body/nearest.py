@@ -99,9 +99,14 @@ def _shares(task: Task, feasible: Feasible) -> tuple[float, ...]:
 
     The first is the largest of which the table is sure, 0: not even of a small one.
     """
-    shares, jump = np.arange(1.0, 0.0, -STEP), task.jump
-    sure = next((s for s in shares.tolist() if feasible.score(_share(jump, s)) >= SURE), 0.0)
+    sure = sure_share(task.jump, feasible)
     return tuple(part * sure for part in PARTS) if sure else (sure,)
+
+
+def sure_share(jump: Jump, feasible: Feasible) -> float:
+    """The largest share of a jump of which the table is sure; 0: not even of a small one."""
+    shares = np.arange(1.0, 0.0, -STEP).tolist()
+    return next((s for s in shares if feasible.score(_share(jump, s)) >= SURE), 0.0)
 
 
 def _share(jump: Jump, share: float) -> Jump:

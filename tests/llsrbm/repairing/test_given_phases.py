@@ -97,11 +97,10 @@ def test_what_is_given_counts_and_not_what_is_found():
         ContactPhase("", GO2.leg_names, 1.0, 1.5),
     ]
     found = llsrbm.repair(motion, phases=wanted)
-    assert found.status == "failed"
-    assert found.why == (
-        "Its feet stand in an order of which there is no jump type "
-        "(all feet stand - FL, RL stand - flight - all feet stand)."
-    )
+    assert found.status == "repaired"
+    assert found.plan.jump.type == "all - FL+RL - none - all"
+    own = [set(phase.feet) for phase in found.plan.schedule]
+    assert own == [set(each.feet) for each in wanted]
 
 
 def test_a_jump_is_repaired_with_the_edges_that_are_given():

@@ -1,5 +1,7 @@
 """Contact phases against motions of feet in closed form, and against a simulator's contacts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,6 +59,41 @@ def test_feet_that_leave_within_a_few_hundredths_of_a_second_leave_together():
 def test_standing_still_is_one_phase():
     (phase,) = contact_phases(stepping([5.0] * 4, [6.0] * 4))
     assert phase.feet == LEGS
+
+
+def sliding(lift, land, by=0.15, **how):
+    """The same with feet that slide all the while, each in a direction of its own, m/s."""
+    motion = stepping(lift, land, **how)
+    ways = by * np.array([[1.0, 0.5, 0.0], [1.0, -0.5, 0.0], [0.8, 0.0, 0.0], [1.2, 0.3, 0.0]])
+    return replace(motion, foot_position=motion.foot_position + motion.time[:, None, None] * ways)
+
+
+@pytest.mark.parametrize("fps", [30.0, 50.0, 120.0])
+@pytest.mark.parametrize("rise", [0.0, 0.2])
+def test_of_feet_that_slide_the_com_tells_the_flight(fps, rise):
+    phases = contact_phases(sliding([0.61] * 4, [0.97] * 4, fps=fps, rise=rise))
+    assert [phase.feet for phase in phases] == [LEGS, (), LEGS]
+    np.testing.assert_allclose([phases[1].start_s, phases[1].end_s], [0.61, 0.97], atol=EDGE)
+
+
+def test_feet_that_slide_without_a_fall_stand():
+    motion = sliding([5.0] * 4, [6.0] * 4)
+    (phase,) = contact_phases(motion)
+    assert phase.feet == LEGS
+    # One of them is lifted meanwhile.
+    feet = motion.foot_position.copy()
+    lifted = (motion.time > 0.5) & (motion.time < 1.2)
+    feet[lifted, 0, 2] += 0.1
+    found = contact_phases(replace(motion, foot_position=feet))
+    assert [phase.feet for phase in found] == [LEGS, LEGS[1:], LEGS]
+    np.testing.assert_allclose([phase.start_s for phase in found[1:]], [0.5, 1.2], atol=0.05)
+
+
+@pytest.mark.parametrize("slower", [0.8, 1.3, 1.9])
+def test_feet_that_rise_at_once_fly_however_slowly(slower):
+    motion = stepping([0.61] * 4, [0.97] * 4)
+    phases = contact_phases(replace(motion, time=slower * motion.time))
+    assert [phase.feet for phase in phases] == [LEGS, (), LEGS]
 
 
 def test_noise_is_told_from_motion():

@@ -117,14 +117,6 @@ def _upside_down():
     return replace(found, **states, base_quat=turn)
 
 
-def _sliding():
-    """No foot stays anywhere."""
-    motion = jump()
-    qpos = motion.qpos.copy()
-    qpos[:, 0] += 0.5 * motion.time
-    return of_states(motion.time, qpos)
-
-
 def _random():
     """Each frame is another pose, somewhere else."""
     motion = jump()
@@ -144,7 +136,6 @@ def _airborne():
     ("motion", "why"),
     [
         (_standing, "No foot leaves the ground for a flight of all feet."),
-        (_sliding, "No foot stays in its place anywhere for as long as feet that stand do."),
         (_random, "No foot stays in its place anywhere for as long as feet that stand do."),
         (_airborne, "No flight begins and ends with all feet on the ground."),
         (
