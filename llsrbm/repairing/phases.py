@@ -56,14 +56,14 @@ def contact_phases(motion: WholeBodyMotion) -> tuple[ContactPhase, ...]:
         found.append(ContactPhase(phase_name(feet, len(names)), feet, start, at))
         on[list(changed)] ^= True
         start = at
-    told = _joined(list(_told_by_falls(_joined(found), motion)))
-    return tuple(_with_falls(list(told), motion))
+    checked = _joined(list(_checked_by_falls(_joined(found), motion)))
+    return tuple(_with_falls(list(checked), motion))
 
 
-def _told_by_falls(
+def _checked_by_falls(
     phases: Iterator[ContactPhase], motion: WholeBodyMotion
 ) -> Iterator[ContactPhase]:
-    """The phases with those without feet as the CoM tells them."""
+    """The phases with those without feet as the CoM shows them."""
     for phase in phases:
         if phase.feet:
             yield phase

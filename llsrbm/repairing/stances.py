@@ -1,7 +1,7 @@
 """When and where feet stand: where they stay for a while, told from how they move.
 
-Heights are crossed between frames, not at them. What counts is how far a foot is from where it
-stood, not from the ground, so that motions that float or sink have places all the same.
+Heights are crossed between frames, not at them. A foot counts by how far it is from where it stood,
+not from the ground, so that motions that float or sink have places all the same.
 """
 
 from __future__ import annotations

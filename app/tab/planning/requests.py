@@ -90,8 +90,8 @@ class Rested:
 
 @on(Rested)
 def rest(state: TabState, event: Rested) -> Step:
-    """A request that has rested and has its quick answer is planned from scratch: by the whole body at once, where the
-    robot has a table of jumps from which such ones begin.
+    """A request that has rested and has its quick answer is planned from scratch: by the whole
+    body at once, where the robot has a table of jumps from which such ones begin.
     """
     dragging, task = state.work.dragging.rested(event.number)
     state = state.with_work(dragging=dragging)

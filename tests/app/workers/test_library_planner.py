@@ -11,6 +11,7 @@ from app.workers.tasks import (
     FindLargest,
     OpenFile,
     PlanJump,
+    RefinePlan,
     RepairMotion,
     SimulateJump,
 )
@@ -29,6 +30,7 @@ from llsrbm.request.tuning import Tuning
 from llsrbm.robots import load_robot
 from tests.app.planners import turning_states
 from tests.app.synthetic_plan import synthetic_plan
+from tests.llsrbm.atlas.classifiers import learned_of
 
 JUMP = Jump(twist=0.5)
 TUNING = Tuning(weights={"force": 2.0}, limits={"friction": 0.4})
@@ -83,6 +85,31 @@ def test_a_route_is_begun_from_a_table_and_drafted_where_that_has_none(monkeypat
     assert tasks[0].mass == pytest.approx(load_robot("anymal").mass + 2.0)
     planner.plan(task, silent, never)
     assert called["plan"][1]["draft"]
+
+
+def test_what_the_table_is_sure_of_is_by_the_whole_body_at_once_where_its_solver_is_there(
+    monkeypatch, called
+):
+    certified, tasks = synthetic_plan(JUMP), []
+    monkeypatch.setattr(
+        CertifiedPlanner, "from_table", lambda _, task: tasks.append(task) or certified
+    )
+    planner, at_once = LibraryPlanner(), PlanJump(JUMP, patient=False, whole_body=True)
+    with learned_of(load_robot("anymal")):
+        planner.plan(at_once, silent, never)  # its solver is not there yet
+        assert not tasks
+        planner.refine(RefinePlan(planned(), JUMP), silent, never)
+        called.clear()
+        assert planner.plan(at_once, silent, never) is certified
+        assert not called
+        for other in (
+            replace(at_once, whole_body=False),
+            replace(at_once, jump=replace(JUMP, twist=3.0)),  # beyond what was ever planned
+            replace(at_once, tuning=TUNING),
+        ):
+            planner.plan(other, silent, never)
+            assert called.pop("plan")[1]["draft"]
+    assert len(tasks) == 1
 
 
 def test_a_search_gets_its_tuning_and_gives_the_largest_jump_alone(monkeypatch):

@@ -22,13 +22,17 @@ class Planner:
     """`fails`: how many of its first plans do."""
 
     def __init__(self, fails=0):
-        self.fails, self.asked, self.followed = fails, [], []
+        self.fails, self.asked, self.followed, self.refined = fails, [], [], []
 
     def plan(self, task, progress, cancelled):
         self.asked.append(task)
         if len(self.asked) <= self.fails:
             raise NotConverged("no", plan_of(task.jump, "not-converged"), reason="the knees")
         return plan_of(task.jump)
+
+    def refine(self, task, progress, cancelled):
+        self.refined.append((task.plan.jump, task.wanted))
+        return task.plan
 
     def simulate(self, task, progress, so_far, cancelled):
         self.followed.append((task.plan, task.scenario))
@@ -83,6 +87,7 @@ def test_a_solver_that_is_loaded_has_followed_a_plan_too(talk, fails):
     near = [each.near and each.near.jump for each in planner.asked]
     assert near == ([None] if fails else [None, JUMP])
     assert {(each.jump, each.tuning) for each in planner.asked} == {(JUMP, TUNING)}
+    assert planner.refined == ([] if fails else [(JUMP, JUMP)])
 
 
 def test_the_first_step_of_a_slider_makes_no_solver(talk, monkeypatch):
