@@ -1,9 +1,9 @@
 """Planning while a slider moves: what to plan next, and from which plan to start.
 
 While a request changes, plans are sought quickly, each from the one before; far from that the whole
-body is asked at once, where the robot's table is sure of the jump. What has not changed for `REST`,
-and has its quick answer, is planned once more from scratch, or, where the robot's table knows such
-jumps, by the whole body: what is shown in the end does not depend on the way there, and is what the
+body is asked at once, where the robot's table is sure of the jump. A request that has not changed
+for `REST`, and has its quick answer, is planned once more from scratch, or, where the robot's table
+knows such jumps, by the whole body: the end does not depend on the way there, and is what the
 command line finds for the same request.
 """
 
