@@ -12,7 +12,7 @@ import warnings
 import numpy as np
 from scipy.interpolate import UnivariateSpline
 
-from llsrbm.arrays import Array, IntArray
+from llsrbm.arrays import Array
 from llsrbm.body.momentum import centroidal_states
 from llsrbm.body.postures import solve_postures
 from llsrbm.mechanics import (
@@ -30,6 +30,7 @@ from llsrbm.planning.whole_body.start import footholds, tilts
 from llsrbm.planning.whole_body.unplanned import unplanned
 from llsrbm.repairing.part import NoJump
 from llsrbm.repairing.request import Request
+from llsrbm.repairing.sliding import led_at
 from llsrbm.repairing.stances import noise
 from llsrbm.robots.robot import Robot
 
@@ -90,10 +91,9 @@ def _states(request: Request, grid: Grid) -> dict[str, Array]:
     at = grid.times(edges)
     phase = [grid.phase_at(half) for half in range(len(at))]
     faster = (np.diff(edges) / _durations(request))[phase][:, None]
-    place = np.interp(known.time, edges, _places_at_edges(request))
-    position = request.frame.points(request.led.points(place, known.base_position))
-    turned = request.led.attitudes(place, known.base_quat)
-    quat = sign_continuous(request.frame.attitudes(turned))
+    led = led_at(request, known.time)
+    position = request.frame.points(led.points(known.base_position))
+    quat = sign_continuous(request.frame.attitudes(led.attitudes(known.base_quat)))
     quat = quat * np.copysign(1.0, quat[0, 0])  # w is positive as it begins
     beside = (known.time >= edges[0] - BESIDE) & (known.time <= edges[-1] + BESIDE)
     columns = np.hstack([position, quat, known.joint_position])[beside]
@@ -116,14 +116,7 @@ def _states(request: Request, grid: Grid) -> dict[str, Array]:
 
 def _at_edges(request: Request) -> Array:
     """(P + 1,) m by which the motion's feet are above their footholds, at the phases' edges."""
-    return np.array(request.sunk[_places_at_edges(request)])
-
-
-def _places_at_edges(request: Request) -> IntArray:
-    """(P + 1,) the place where the robot stands, or stood last, at the phases' edges."""
-    places = request.part.places
-    here = [places[k] if feet else places[k - 1] for k, feet in enumerate(request.part.feet)]
-    return np.array([*here, places[-1]])
+    return np.array(request.sunk[request.places_at_edges])
 
 
 def _smooth(time: Array, values: Array, at: Array) -> tuple[Array, Array]:

@@ -1,11 +1,11 @@
-"""A motion that leads less far: the same from place to place, with a share of each way and turn.
+"""A motion led another way: with a share of each step and turn.
 
 Where a robot cannot go all the way of a motion, the motion nearest to it goes some of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from llsrbm.mechanics import apply, quaternion_product, quaternions_about_z, tur
 
 @dataclass(frozen=True, eq=False)
 class Way:
-    """Where a robot stands, from place to place, in a file's frame.
+    """Where a robot stands, from place to place or instant to instant, in a file's frame.
 
     Attributes:
         middles: (n, 2) m; headings: (n,) rad, whole turns counted.
@@ -36,36 +36,40 @@ class Way:
         ahead = turns_about_z(headings[:-1])[:, :2, :2]
         steps = apply(ahead, share * self.steps)
         middles = np.vstack([self.middles[:1], self.middles[0] + np.cumsum(steps, axis=0)])
-        return replace(self, middles=middles, headings=headings)
+        return Way(middles, headings)
+
+    def at(self, places: Array) -> Way:
+        """On the way: at places (K,), which may be between two."""
+        known = np.arange(len(self.headings))
+        x, y, heading = (np.interp(places, known, v) for v in (*self.middles.T, self.headings))
+        return Way(np.stack([x, y], axis=1), heading)
 
 
 @dataclass(frozen=True, eq=False)
 class Led:
-    """From a motion's own way to another one through as many places."""
+    """From a motion's own way to another one, of as many places or instants."""
 
     own: Way
     to: Way
 
-    def points(self, at: Array, points: Array) -> Array:
-        """Points (K, ..., 3) m that belong to places at (K,), between two on the way, there."""
-        flat = points.reshape(len(at), -1, 3)
-        middle, there = (self._middles(way, at)[:, None] for way in (self.own, self.to))
-        turned = (flat - middle) @ np.swapaxes(turns_about_z(self.turns(at)), -1, -2)
-        moved: Array = (turned + there).reshape(points.shape)
+    def points(self, points: Array) -> Array:
+        """Points (n, ..., 3) m that belong to these, there."""
+        flat = points.reshape(len(points), -1, 3)
+        flat = flat - _level(self.own.middles)
+        turned = flat @ np.swapaxes(turns_about_z(self.turns), -1, -2)
+        moved: Array = (turned + _level(self.to.middles)).reshape(points.shape)
         return moved
 
-    def attitudes(self, at: Array, quat: Array) -> Array:
-        """Attitudes (K, 4) likewise."""
-        return quaternion_product(quaternions_about_z(self.turns(at)), quat)
+    def attitudes(self, quat: Array) -> Array:
+        """Attitudes (n, 4) likewise."""
+        return quaternion_product(quaternions_about_z(self.turns), quat)
 
-    def turns(self, at: Array) -> Array:
-        """(K,) rad by which they are turned."""
-        places = np.arange(len(self.own.headings))
-        turned: Array = np.interp(at, places, self.to.headings - self.own.headings)
-        return turned
+    @property
+    def turns(self) -> Array:
+        """(n,) rad by which they are turned."""
+        return self.to.headings - self.own.headings
 
-    @staticmethod
-    def _middles(way: Way, at: Array) -> Array:
-        places = np.arange(len(way.middles))
-        x, y = (np.interp(at, places, axis) for axis in way.middles.T)
-        return np.stack([x, y, np.zeros_like(x)], axis=1)
+
+def _level(middles: Array) -> Array:
+    """(n, 1, 3) m of (n, 2)."""
+    return np.pad(middles, [(0, 0), (0, 1)])[:, None]

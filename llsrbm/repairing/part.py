@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import groupby, pairwise
 
 import numpy as np
@@ -17,6 +18,8 @@ from llsrbm.repairing.phases import ContactPhase, phase_name
 
 SHORT = 0.2  # s: what is shorter beside a flight may be done on all feet
 LOOKED_AT = 0.15  # s for which feet are looked at where they stand
+# m that the middle of all feet moves in a phase of feet that slide; balls that roll move by 0.02.
+SLIDES = 0.04
 REBOUND = 1.4  # s for which a robot stands, at most, between jumps in a row
 SOONEST, LATEST = 0.25, 0.9  # s from where a robot is at rest to lift-off, or from touchdown
 AT_REST = 0.005  # m that the CoM moves, at most, in `REST_FOR` (s) of a robot at rest
@@ -76,17 +79,38 @@ class Part:
         """(flights + 1, L, 3) m, file's frame: where the feet stand in each place, as a plan's do.
 
         Balls roll as legs bend: at the ends it is where they stand at rest, else where they land.
+        Feet that slide stand where they leave the ground, or where they meet it.
         """
-        own = self.places
-        ends = [self.edges[0], *(self.edges[own.index(k) + 1] for k in range(1, self.flights))]
-        ends.append(self.edges[-1] - LOOKED_AT)
-        time, qpos = self.motion.time, self.motion.qpos
-        found = []
-        for start in ends:
-            there = (time >= start - 1e-9) & (time <= start + LOOKED_AT + 1e-9)
-            places, _ = feet_of(self.motion.robot, qpos[there])
-            found.append(np.median(places, axis=0))
-        return np.array(found)
+        own, (first, last) = self.places, self.slides
+        at = [self.edges[0], *(self.edges[own.index(k) + 1] for k in range(1, self.flights))]
+        at.append(self.edges[-1] - LOOKED_AT)
+        lasts = [LOOKED_AT] * len(at)
+        if first:
+            at[0], lasts[0] = self.edges[1], 0.0
+        if last:
+            at[-1], lasts[-1] = self.edges[-2], 0.0
+        return np.array([self._feet(*each) for each in zip(at, lasts, strict=True)])
+
+    @cached_property
+    def slides(self) -> tuple[bool, bool]:
+        """Whether the feet slide before they leave the ground for the first time, all of them, and
+        after they have met it for the last time.
+        """
+        ends = [self.edges[[0, 1]], self.edges[[-2, -1]]]
+        first, last = (np.subtract(*(self._feet(at, 0.0) for at in each)) for each in ends)
+        return tuple(  # type: ignore[return-value]
+            bool(np.linalg.norm(moved.mean(axis=0)[:2]) > SLIDES) for moved in (first, last)
+        )
+
+    def _feet(self, start: float, lasts: float) -> Array:
+        """(L, 3) m: the median of the feet's places in so long, or at the frame nearest to it."""
+        time = self.motion.time
+        there = (time >= start - 1e-9) & (time <= start + lasts + 1e-9)
+        if not there.any():
+            there = np.abs(time - start) == np.abs(time - start).min()
+        places, _ = feet_of(self.motion.robot, self.motion.qpos[there])
+        found: Array = np.median(places, axis=0)
+        return found
 
 
 def parts(motion: WholeBodyMotion, phases: tuple[ContactPhase, ...]) -> list[Part]:

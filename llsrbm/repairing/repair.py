@@ -179,6 +179,8 @@ def _remarks(part: Part, share: float) -> str:
     remarks = []
     if share < 1.0:
         remarks.append(f"It leads {share:.0%} of the way and of the turn: more was not found.")
+    if any(part.slides):
+        remarks.append("Its feet slide as they stand: they are held, on one level.")
     if part.merged:
         remarks.append("Feet that leave or land one after the other do so together in the plan.")
     if abs(part.slower - 1) > STRETCHED:

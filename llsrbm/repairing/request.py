@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from llsrbm.arrays import Array
+from llsrbm.arrays import Array, IntArray
 from llsrbm.errors import InputError
 from llsrbm.mechanics import rotation_matrices, turns_about_z, yaw
 from llsrbm.planning.problem.placement import place_task
@@ -40,7 +40,7 @@ class Request:
 
     Attributes:
         part: of the motion; frame: the project's, in the file's.
-        led: from where the motion leads to where the plan is to lead.
+        led: from where the motion stands, place by place, to where the plan is to stand.
         task: with the motion's own footholds in place of the robot's.
         sunk: (places,) m by which the motion's feet stand above their footholds.
     """
@@ -50,6 +50,13 @@ class Request:
     led: Led
     task: Task
     sunk: Array
+
+    @property
+    def places_at_edges(self) -> IntArray:
+        """(P + 1,) the place where the robot stands, or stood last, at the phases' edges."""
+        places = self.part.places
+        here = [places[k] if feet else places[k - 1] for k, feet in enumerate(self.part.feet)]
+        return np.array([*here, places[-1]])
 
     @property
     def phases(self) -> tuple[ContactPhase, ...]:
@@ -66,15 +73,15 @@ def request_of(part: Part, robot: Robot, share: float = 1.0) -> Request:
     """
     part, kind = _of_a_type(part, robot)
     places = part.footholds()
-    middles, headings = _stood(places, robot)
+    middles, headings = stood(places, robot)
     headings = _whole_turns(part, headings)
     frame = Frame(float(headings[0]), np.array([*middles[0], places[0, :, 2].mean()]))
     own_way = Way(middles, headings)
     led = Led(own_way, own_way.shared(share))
-    at, headings = np.arange(len(places), dtype=np.float64), led.to.headings
-    places = led.points(at, places)
+    places, headings = led.points(places), led.to.headings
     height = places[..., 2].mean(axis=1) - frame.origin[2]
-    height[np.abs(height) < LEVEL] = 0.0
+    # Feet that slide float as well, and tell no height.
+    height[np.abs(height) < (np.inf if any(part.slides) else LEVEL)] = 0.0
     landings = [
         Landing(*_rounded([*ahead, rise, turn]))
         for ahead, rise, turn in zip(led.to.steps, np.diff(height), np.diff(headings), strict=True)
@@ -86,7 +93,7 @@ def request_of(part: Part, robot: Robot, share: float = 1.0) -> Request:
     feet[..., 2] = height[:, None]
     yaws = 0 * feet[..., 0]
     if len(robot.corners) > 1:
-        yaws = _sole_yaws(part, robot) - frame.yaw + led.turns(at)[:, None]
+        yaws = _sole_yaws(part, robot) - frame.yaw + led.turns[:, None]
     own = tuple(
         _footholds(robot, feet[k], yaws[k], float(headings[k] - headings[0]), place.origin)
         for k, place in enumerate(task.places)
@@ -138,7 +145,7 @@ def _feet(kind: JumpType, robot: Robot, flights: int) -> tuple[tuple[str, ...], 
     return tuple(phase.feet for phase in schedule)
 
 
-def _stood(places: Array, robot: Robot) -> tuple[Array, Array]:
+def stood(places: Array, robot: Robot) -> tuple[Array, Array]:
     """Where a robot stands whose feet stand in places (n, L, 3) m: (n, 2) m and (n,) rad.
 
     The turn and shift that bring its own feet there, but for as little as can be.

@@ -29,9 +29,8 @@ def test_half_the_way_leads_where_it_does():
 
 def test_points_keep_their_place_about_the_middles():
     led = Led(WAY, WAY.shared(0.5))
-    at = np.array([0.0, 1.0, 2.0])
     ahead = np.array([[0.1, 0.0, 0.2], [1.0, 0.1, 0.2], [1.0, 1.1, 0.2]])  # of each, as it looks
-    moved = led.points(at, ahead)
+    moved = led.points(ahead)
     np.testing.assert_allclose(moved[:, 2], 0.2)
     off = moved[:, :2] - led.to.middles
     np.testing.assert_allclose(np.arctan2(*off.T[::-1]), led.to.headings, atol=1e-12)
@@ -39,13 +38,13 @@ def test_points_keep_their_place_about_the_middles():
 
 
 def test_what_leads_all_the_way_stays():
-    led = Led(WAY, WAY.shared(1.0))
-    at, points = np.linspace(0, 2, 7), np.random.default_rng(1).normal(size=(7, 4, 3))
-    np.testing.assert_allclose(led.points(at, points), points, atol=1e-12)
+    way = WAY.at(np.linspace(0, 2, 7))
+    points = np.random.default_rng(1).normal(size=(7, 4, 3))
+    np.testing.assert_allclose(Led(way, way).points(points), points, atol=1e-12)
 
 
 def test_attitudes_turn_with_the_headings():
-    led = Led(WAY, WAY.shared(0.5))
-    quat = quaternions_about_z(np.array([0.0, np.pi / 4, np.pi / 2]))
-    turned = yaw(led.attitudes(np.array([0.0, 0.5, 1.0]), quat))
+    at = np.array([0.0, 0.5, 1.0])
+    led = Led(WAY.at(at), WAY.shared(0.5).at(at))
+    turned = yaw(led.attitudes(quaternions_about_z(np.array([0.0, np.pi / 4, np.pi / 2]))))
     np.testing.assert_allclose(turned, [0.0, np.pi / 8, np.pi / 4], atol=1e-12)
