@@ -56,12 +56,27 @@ def contact_phases(motion: WholeBodyMotion) -> tuple[ContactPhase, ...]:
         found.append(ContactPhase(phase_name(feet, len(names)), feet, start, at))
         on[list(changed)] ^= True
         start = at
-    checked = _joined(list(_checked_by_falls(_joined(found), motion)))
-    return tuple(_with_falls(list(checked), motion))
+    by_feet = list(_joined(found))
+    checked = list(_checked_by_falls(by_feet, motion))
+    if _flown(by_feet) - _flown(checked) > APART:
+        # Its feet slide as they stand: those that are as low as others stand like them.
+        checked = [part for phase in checked for part in _lowest_of(phase, motion)]
+    return tuple(_with_falls(list(_joined(checked)), motion))
+
+
+def _flown(phases: list[ContactPhase]) -> float:
+    return sum(phase.end_s - phase.start_s for phase in phases if not phase.feet)
+
+
+def _lowest_of(phase: ContactPhase, motion: WholeBodyMotion) -> Iterator[ContactPhase]:
+    if phase.feet and len(phase.feet) < len(motion.robot.legs):
+        yield from _on_the_lowest(motion, phase.start_s, phase.end_s)
+    else:
+        yield phase
 
 
 def _checked_by_falls(
-    phases: Iterator[ContactPhase], motion: WholeBodyMotion
+    phases: list[ContactPhase], motion: WholeBodyMotion
 ) -> Iterator[ContactPhase]:
     """The phases with those without feet as the CoM shows them."""
     for phase in phases:

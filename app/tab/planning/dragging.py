@@ -17,9 +17,9 @@ from llsrbm.motion.plan import Plan
 from llsrbm.request.jump import INCLINES, Jump
 from llsrbm.request.tuning import Tuning
 
-REST = 0.3
-"""s without a change after which a request counts as made; a hand takes 0.1 to 0.25 s between steps
-of a slider."""
+REST = 0.5
+"""s without a change after which a request counts as made; twice what a hand takes between steps of
+a slider. With 0.3 the whole body's plan begins where a hand turns, and steps wait for it."""
 
 _NEAR_TWIST = math.radians(30)  # rad; a plan farther away is a worse start than none
 _NEAR_MOVE = 0.15  # m, likewise
