@@ -33,7 +33,7 @@ def _upside_down(qpos, at):
     [
         (_turned_twice, "A flight turns the robot by 8"),
         (_in_another_order, "FR_calf_joint is at 0.8"),
-        (_far_away, "A flight leads 5"),
+        (_far_away, "A flight leads 4."),
         (_upside_down, "The body is upside down as the jump begins."),
     ],
 )
