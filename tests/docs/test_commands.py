@@ -18,6 +18,7 @@ from llsrbm.planning.problem.costs import default_weights
 from llsrbm.planning.problem.limits import limit_unit
 from llsrbm.request import jump_types
 from llsrbm.request.design import find_design
+from llsrbm.request.feet_order import is_order
 from llsrbm.robots import names as robot_names
 from tests.docs.benchmark_commands import check_benchmark, parse
 from tests.docs.pages import PAGES, ROOT, blocks, commands
@@ -48,7 +49,10 @@ def test_commands_parse(command):
     given = context.params
     _check_names(given.get("robot"), robot_names())
     _check_names(given.get("model"), models.MODELS)
-    _check_names(given.get("type"), jump_types.names())
+    types = _listed(given.get("type"))
+    _check_names([name for name in types if not is_order(name)], jump_types.names())
+    for order in filter(is_order, types):
+        jump_types.load_type(order)
     dataset = context.command.name == "dataset"  # its limit is a number of motions
     _check_names(given.get("format_"), [*FORMATS, *(["lerobot"] if dataset else [])])
     if given.get("design") and not PLACEHOLDER.fullmatch(given["design"]):
