@@ -96,11 +96,11 @@ class Part:
         """Whether the feet slide before they leave the ground for the first time, all of them, and
         after they have met it for the last time.
         """
-        ends = [self.edges[[0, 1]], self.edges[[-2, -1]]]
-        first, last = (np.subtract(*(self._feet(at, 0.0) for at in each)) for each in ends)
-        return tuple(  # type: ignore[return-value]
-            bool(np.linalg.norm(moved.mean(axis=0)[:2]) > SLIDES) for moved in (first, last)
+        start, lifts, lands, end = (
+            self._feet(at, 0.0).mean(axis=0)[:2] for at in self.edges[[0, 1, -2, -1]]
         )
+        first, last = np.linalg.norm([lifts - start, end - lands], axis=1) > SLIDES
+        return bool(first), bool(last)
 
     def _feet(self, start: float, lasts: float) -> Array:
         """(L, 3) m: the median of the feet's places in so long, or at the frame nearest to it."""
