@@ -113,9 +113,9 @@ def _only_tightens(tuning: Tuning, robot: Robot) -> bool:
     if tuning.weights:
         return False
     own = limits_of(robot) if tuning.limits else {}
-    looser = ((own[name], value) for name, value in tuning.limits.items() if name in own)
+    pairs = [(*own[name], value) for name, value in tuning.limits.items() if name in own]
     return not any(
-        value < usual if limit.lower_bound else value > usual for (limit, usual), value in looser
+        value < usual if limit.lower_bound else value > usual for limit, usual, value in pairs
     )
 
 

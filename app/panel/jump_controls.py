@@ -169,7 +169,7 @@ class JumpControls:
     ) -> None:
         self._robots = robots
         self._types: Mapping[str, JumpType] = jump_types.names()  # of any robot, to begin with
-        self._types_of: tuple[Robot, str] | None = None
+        self._types_of: Robot | None = None
         self._heaviest = _UNKNOWN_HEAVIEST
         self._drawn_of: tuple[Any, ...] = ()  # robot and request, as far as the picture shows them
         self._gui, self._acted = gui, acted
@@ -247,8 +247,8 @@ class JumpControls:
         `ends`: of the sliders.
         """
         self._task = ends
-        if robot is not None and (robot, jump.type) != self._types_of:
-            self._types_of, self._types = (robot, jump.type), types_offered(robot, jump.type)
+        if robot is not None and robot is not self._types_of:
+            self._types_of, self._types = robot, types_offered(robot)
             self._heaviest = round(HEAVIEST * robot.mass - 0.05, 1)  # never beyond
         self._fields.show(jump, self._about(jump))
         for name, act in HOW_FAR.items():
@@ -294,7 +294,7 @@ def _menus(robots: Mapping[str, RobotFile]) -> tuple[Field[Jump], ...]:
             "Contact schedule: which feet push, fly and land when",
             get=lambda jump: title_of_type(jump.type),
             put=of_chosen_type,
-            options=lambda _, about: [title_of_type(name) for name in about.types],
+            options=lambda _, about: [kind.title for kind in about.types.values()],
         ),
         Field(
             "Arms",

@@ -2,13 +2,11 @@
 
 import math
 from collections.abc import Collection
-from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
 from llsrbm.errors import InputError
 from llsrbm.request import jump_types
-from llsrbm.request.feet_order import is_order
 from llsrbm.request.jump import COMPONENTS, INCLINES, PLAIN, Jump
 from llsrbm.request.jump_types import JumpType, with_defaults
 from llsrbm.request.route import SLOPES
@@ -23,18 +21,11 @@ _TURNS: dict[str, tuple[str, float]] = {
 """Title -> field of `Jump` and rad, by the right-hand rule about x forward and y left."""
 
 
-def types_offered(robot: Robot, own: str = PLAIN) -> dict[str, JumpType]:
-    """Name -> type of those for which a robot has the feet and the turns, the default first.
-
-    `own`: a request's type; an order of feet is offered as well, a visitor's file is not.
-    """
-    known = jump_types.names()
-    if is_order(own):
-        with suppress(InputError):
-            known = {**known, own: jump_types.load_type(own)}
+def types_offered(robot: Robot) -> dict[str, JumpType]:
+    """Name -> type of those for which a robot has the feet and the turns, the default first."""
     return {
         name: kind
-        for name, kind in known.items()
+        for name, kind in jump_types.names().items()
         if _turns(kind) <= set(robot.file.turning_axes) and _has_feet_of(robot, kind)
     }
 
@@ -53,7 +44,9 @@ def type_of_title(title: str, otherwise: str) -> str:
 def not_supported(robot: Robot, name: str) -> str:
     """The sentence that says that a robot's jump is of the default type instead."""
     what, default = title_of_type(name), title_of_type(PLAIN)
-    return f'{robot.file.title} does not support "{what}". Planning "{default}" instead.'
+    known = name in jump_types.names()
+    why = f'{robot.file.title} does not support "{what}"' if known else f'"{what}" is no preset'
+    return f'{why}. Planning "{default}" instead.'
 
 
 def with_type(jump: Jump, name: str) -> Jump:

@@ -1,4 +1,4 @@
-"""Contact phases of any motion, whoever made it: they are told from how its feet and its CoM move.
+"""Contact phases of any motion, read from how its feet and its CoM move.
 
 A foot that stays where it is for a while stands there; how long follows from its height, which is
 that of the place from when it has come down until it leaves. Where no foot stays where it is the

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from typing import Any
 
+from llsrbm.certified_nearest import UNLIKELY
 from llsrbm.planning.whole_body.feasible import feasible_of
 from llsrbm.planning.whole_body.nearest import sure_share
 from llsrbm.repairing.request import Request
 from llsrbm.request.jump import COMPONENTS, Jump
 from llsrbm.robots.robot import Robot
 
-# Score below which all of a jump is not sought, as in planning (`llsrbm.certified_nearest`).
-UNLIKELY = -1.0
-
 
 def shares(request: Request, robot: Robot) -> tuple[float, ...]:
     """Shares of a motion's way and turn to be sought, each where the one before leads nowhere.
 
     Jumps in a row, and a robot without a table, go all the way or not at all.
-
     """
     feasible = None if request.task.jump.route else feasible_of(robot)
     if feasible is None:

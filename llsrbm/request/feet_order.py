@@ -13,7 +13,7 @@ from llsrbm.errors import InputError, printable
 from llsrbm.request.schedule import LONGEST_NAME
 
 BETWEEN, BESIDE = " - ", "+"
-MOST = 12  # phases; a solver for so many takes half a minute to be built
+MOST = 12  # phases; those of five jumps in a row are eleven
 # Shortest and longest, s: with some feet, as of the presets; between jumps, as a rebound or a step;
 # of flights that begin or end on some feet.
 _SOME, _AGAIN, _SHORT_FLIGHT = (0.06, 0.6), (0.2, 1.4), (0.12, 0.6)

@@ -73,7 +73,7 @@ def _submit_plan(state: TabState, task: tasks.PlanJump, *, follows: bool) -> Ste
 def _of_a_supported_type(state: TabState) -> TabState:
     """The state with a jump of the default type, if its robot lacks the feet of the design's."""
     jump, robot = state.design.jump, state.robot
-    if robot is None or jump.type in types_offered(robot, jump.type):
+    if robot is None or jump.type in types_offered(robot):
         return state
     instead = f"{not_supported(robot, jump.type)} "
     jump = with_type(jump, PLAIN)

@@ -6,7 +6,6 @@ import pytest
 from app.panel.jump_types import (
     not_supported,
     surface_fields,
-    title_of_type,
     turn_title,
     turns_offered,
     types_offered,
@@ -81,19 +80,3 @@ def test_turns_about_which_the_robot_has_no_plans_are_not_offered(tmp_path):
     assert turns_offered(("pitch", "roll"), rolling(tmp_path).file.turning_axes) == TURNS
     assert turns_offered(("pitch", "roll"), load_robot("go2").file.turning_axes) == TURNS[:2]
     assert turns_offered(("pitch", "roll"), load_robot("anymal").file.turning_axes) == ()
-
-
-@pytest.mark.parametrize(
-    ("own", "offered"),
-    [
-        ("all - hind - none - front - all", True),
-        ("all - nobody - none - all", False),
-        ("all - hind - all", False),
-        ("my_jump.toml", False),  # never opened for a visitor
-    ],
-)
-def test_an_order_of_feet_is_offered_to_the_request_that_has_it(own, offered):
-    found = types_offered(load_robot("go2"), own)
-    assert (own in found) is offered
-    assert found.keys() - {own} == types_offered(load_robot("go2")).keys()
-    assert title_of_type(own) == own

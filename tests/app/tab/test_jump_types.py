@@ -76,16 +76,12 @@ def test_a_plan_of_other_phases_or_turns_is_no_start(tab, before, after):
     assert tab.task == PlanJump(tab.state.design.jump)
 
 
-def test_an_order_of_feet_is_a_type_like_others_where_the_robot_has_the_feet(tab):
+def test_an_order_of_feet_is_together_instead_as_each_has_a_solver_of_its_own(tab):
     tab.move(robot="go2")
     tab.settle()
-    order = "all - hind - none - front - all"
-    tab.move(type=order, forward=0.2)
-    assert tab.task.jump.type == order
-    tab.settle()
-    tab.move(robot="slider")
-    tab.settle()
-    assert tab.state.design.jump.type == "together"
+    tab.move(type="all - hind - none - front - all", forward=0.2)
+    assert tab.task.jump.type == "together"
+    assert tab.state.work.instead.startswith('"all - hind - none - front - all" is no preset.')
 
 
 def test_a_type_stays_on_another_robot_within_its_ranges(tab):
